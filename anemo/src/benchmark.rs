@@ -151,7 +151,7 @@ fn heads_benchmark(arguments: &Arguments) -> Result<(), Failure> {
     let mut report = heads::HeadsReport::default();
     for (n, path) in arguments.head.iter().enumerate() {
         let own = folder.path().join(n.to_string());
-        new::write(&own, &Head::read(path)?.source.text, arguments.overheat, arguments.winds)?;
+        new::write(&own, &Head::read(path)?, arguments.overheat, arguments.winds)?;
         report.extend(heads::measure(&own, true, &announce)?);
     }
     if !arguments.head.is_empty() {
@@ -169,7 +169,7 @@ fn heads_benchmark(arguments: &Arguments) -> Result<(), Failure> {
         ("sphere-6", NewHeadKind::Sphere, 6),
     ] {
         let own = folder.path().join(name);
-        new::write(&own, &kind.text(name, sectors), new::OVERHEAT_K, arguments.winds)?;
+        new::write(&own, &new::of_kind(kind, name, sectors)?, new::OVERHEAT_K, arguments.winds)?;
         report.extend(heads::measure(&own, false, &announce)?);
     }
     dated(&arguments.output, "heads.md", &|day| report.page("Heads of every form", "anemo benchmark heads", day))?;

@@ -183,7 +183,11 @@ fn tables(arguments: &Arguments) -> Result<Vec<SteadyTable>, Failure> {
         }
     }
     match (tables.len(), arguments.time_constant) {
-        (0, Some(_)) => Err(Failure::usage("--time-constant is of a table of steady winds: recordings need --network")),
+        (0, Some(_)) => Err(Failure::usage(format!(
+            "--time-constant is of a table of steady winds, with a column `speed_m_s` or `wind_x_m_s` and no `time_s`; {} is none, and \
+             recordings need --network",
+            arguments.recordings[0].display()
+        ))),
         (some, _) if some > 0 && some < arguments.recordings.len() => {
             Err(Failure::usage("recordings and tables of steady winds cannot be calibrated together"))
         }

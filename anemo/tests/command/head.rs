@@ -76,6 +76,10 @@ fn what_is_there_stays_and_what_cannot_be_a_name_is_refused() {
     let before = std::fs::read_to_string(folder.join("tube/head.toml")).unwrap();
     for (arguments, expected) in [
         (&["head", "new", "tube", "--kind", "wire"][..], "tube: is there already; nothing was written"),
+        (
+            &["head", "new", "hot", "--kind", "wire", "--overheat", "300"],
+            "--overheat is 300: it makes `film` 320 °C warm, and by its limits it trips above",
+        ),
         (&["head", "new", "a b", "--kind", "wire"], "a folder of letters, digits and hyphens belongs here"),
         (&["head", "check", "tube/head.toml", "--overheat", "-3"], "--overheat is -3: it must be finite and above 0"),
         (&["head", "check", "tube/held.toml"], "unknown key `drives`"),

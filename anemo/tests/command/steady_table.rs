@@ -102,6 +102,8 @@ fn what_a_table_lacks_is_named() {
         ("gas_species", "gas", "has no column `gas_species`: `air` or `co2` belongs there"),
         ("power_w,", "power_mw,", "power_w_film"),
         ("0,0.012", "-1,0.012", "row 1: `speed_m_s` is -1, and a speed is not negative"),
+        ("0,0.012,50", "0,12,50", "row 1: `film` has 12 W, and its high level gives"),
+        ("speed_m_s", "speed", "speeds.csv is none, and recordings need --network"),
         ("0,0.012,50", "0,0.012,19", "`film` is in some row without power, or not warmer than the gas"),
     ] {
         std::fs::write(folder.join("speeds.csv"), hot_wire(true, 0.45).replace(from, to)).unwrap();

@@ -27,6 +27,7 @@ use crate::head::element::HeadElement;
 use crate::head::file::Head;
 use crate::network::parameters::{CrossHeatingParameters, QuiescentNetwork, ReadingNoise, SelfHeatingParameters};
 use diffusive::model::Conditions;
+use recording::text::tidy;
 use recording::{
     EVENT, GAS_TEMPERATURE, GIVEN_WIND, POWER, Recording, RecordingError, RecordingReader, TEMPERATURE, TIME,
 };
@@ -39,6 +40,8 @@ const SPECIES: &str = "gas_species";
 const POWER_ERROR: f64 = 1e-3;
 /// Share of the conductance in the slowest wind that is that of still gas, where no row is.
 const HALF: f64 = 0.5;
+/// Powers of a table beyond so many times an element's own at its high level are in another unit.
+const MOST_OF_HIGH: f64 = 10.0;
 /// The first step of an observer does not depend on it.
 const ANY_PERIOD_S: f64 = 1e-2;
 
@@ -208,7 +211,18 @@ impl SteadyTable {
                 false => self.table.finite(&recording::column_name(quantity, &of.name)),
             }
         };
-        Ok((column(POWER)?, column(TEMPERATURE)?))
+        let (power_w, temperature_c) = (column(POWER)?, column(TEMPERATURE)?);
+        let high_w = of.power_w(temperature_c[0], Level::High);
+        if let Some(row) = power_w.iter().position(|power_w| *power_w > MOST_OF_HIGH * high_w) {
+            return Err(self.refuse(format!(
+                "row {}: `{}` has {} W, and its high level gives {} W: is the power in watts, and the head this one?",
+                row + 1,
+                of.name,
+                tidy(power_w[row]),
+                tidy(high_w)
+            )));
+        }
+        Ok((power_w, temperature_c))
     }
 
     fn wind_m_s(&self, head: &Head, surfaces: &[usize]) -> Result<Vec<[f64; 3]>, RecordingError> {

@@ -79,6 +79,26 @@ fn plane(head: &Head) -> String {
     }
 }
 
+/// Refuses an overheat at which an element would trip.
+fn within_limits(head: &Head, report: &HeadCheckReport) -> Result<(), Failure> {
+    let set_point_c = report.conditions.set_point_c();
+    let held = head.elements.iter().zip(&report.elements).filter(|(_, of)| of.held).map(|(element, _)| element);
+    for element in held {
+        let (channel, limits) = (&element.config.channel, &element.config.limits);
+        let hottest_c = limits.temperature_max_c.min(channel.platinum().temperature_c(limits.resistance_max_ohm));
+        if set_point_c > f64::from(hottest_c) {
+            return Err(Failure::usage(format!(
+                "--overheat is {}: it makes `{}` {} °C warm, and by its limits it trips above {} °C",
+                report.conditions.overheat_k,
+                element.name,
+                short(set_point_c, 4),
+                short(f64::from(hottest_c), 4)
+            )));
+        }
+    }
+    Ok(())
+}
+
 /// The experiments of a head at an overheat, with so many winds to estimate.
 ///
 /// # Errors
@@ -86,6 +106,7 @@ fn plane(head: &Head) -> String {
 pub fn experiments(head: &Head, overheat_k: f64, count: u32) -> Result<NewExperiments, Failure> {
     let report = check(head, GivenConditions::default(), |conditions| conditions.overheat_k = overheat_k)?;
     let held: Vec<&str> = report.elements.iter().filter(|of| of.held).map(|of| of.name.as_str()).collect();
+    within_limits(head, &report)?;
     let slowest_s = report.time_constants_s.first().copied().unwrap_or(1.0);
     let conditions = report.conditions;
     let set_point_c = short(conditions.set_point_c(), 4);

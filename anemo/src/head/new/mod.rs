@@ -6,7 +6,7 @@ mod template;
 use std::path::{Path, PathBuf};
 
 use anemometry::head::Head;
-use recording::toml_file::TomlSource;
+use recording::toml_file::{FileError, TomlSource};
 
 use crate::choice::choice;
 use crate::output::Failure;
@@ -57,20 +57,19 @@ pub struct NewArguments {
     overheat: f64,
 }
 
-/// Writes a head's text and experiments into a folder that is not there yet; `winds` is how many
-/// there are to estimate.
+/// Writes a head and its experiments into a folder that is not there yet; `winds` is how many there
+/// are to estimate.
 ///
 /// # Errors
 /// If the folder is there, or cannot be written.
-pub fn write(folder: &Path, text: &str, overheat_k: f64, winds: u32) -> Result<NewExperiments, Failure> {
-    let head = Head::from_source(TomlSource { path: folder.join("head.toml"), text: text.to_owned() })?;
-    let experiments = experiments(&head, overheat_k, winds)?;
+pub fn write(folder: &Path, head: &Head, overheat_k: f64, winds: u32) -> Result<NewExperiments, Failure> {
+    let experiments = experiments(head, overheat_k, winds)?;
     if folder.exists() {
         let sentence = format!("{}: is there already; nothing was written", folder.display());
         return Err(Failure::usage(sentence));
     }
     std::fs::create_dir_all(folder).map_err(|error| Failure::in_file(folder, error))?;
-    crate::output::write_text(&folder.join("head.toml"), text)?;
+    crate::output::write_text(&folder.join("head.toml"), &head.source.text)?;
     for (file, text) in &experiments.files {
         crate::output::write_text(&folder.join(file), text)?;
     }
@@ -90,8 +89,8 @@ pub fn begin(arguments: &NewArguments) -> Result<(), Failure> {
     if !(overheat_k.is_finite() && overheat_k > 0.0) {
         return Err(Failure::usage(format!("--overheat is {overheat_k}: it must be finite and above 0")));
     }
-    let text = text(arguments, name)?;
-    let NewExperiments { identified, still_s, .. } = write(folder, &text, overheat_k, WINDS)?;
+    let head = head(arguments, name)?;
+    let NewExperiments { identified, still_s, .. } = write(folder, &head, overheat_k, WINDS)?;
     let (folder, elements) = (Path::display(folder), identified.join(" "));
     crate::output::print(&format!(
         "{folder}/head.toml and its experiments are there. Next, the head and the head in winds:\n  \
@@ -110,11 +109,11 @@ pub fn begin(arguments: &NewArguments) -> Result<(), Failure> {
     ))
 }
 
-/// The head's text: of a kind, or of a file.
-fn text(arguments: &NewArguments, name: &str) -> Result<String, Failure> {
+/// The head of a kind, or of a file.
+fn head(arguments: &NewArguments, name: &str) -> Result<Head, Failure> {
     let Some(kind) = arguments.kind else {
         let path = arguments.from.as_deref().unwrap_or(Path::new(""));
-        return Ok(Head::read(path)?.source.text);
+        return Ok(Head::read(path)?);
     };
     let known = kind.sectors();
     let sectors = arguments.sectors.unwrap_or(known[0]);
@@ -122,7 +121,15 @@ fn text(arguments: &NewArguments, name: &str) -> Result<String, Failure> {
         let counts: Vec<String> = known.iter().map(usize::to_string).collect();
         return Err(Failure::usage(format!("--sectors is {sectors}: a head of this kind has {}", counts.join(", "))));
     }
-    Ok(kind.text(name, sectors))
+    Ok(of_kind(kind, name, sectors)?)
+}
+
+/// The head of a kind.
+///
+/// # Errors
+/// None of a kind that there is.
+pub fn of_kind(kind: NewHeadKind, name: &str, sectors: usize) -> Result<Head, FileError> {
+    Head::from_source(TomlSource { path: "head.toml".into(), text: kind.text(name, sectors) })
 }
 
 fn is_name(name: &str) -> bool {
