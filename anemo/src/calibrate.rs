@@ -42,7 +42,7 @@ Examples:
   anemo calibrate card-tunnel.parquet --network card1.json -o card1.toml \\
       --elements card1-die1,card1-die2,card1-die3,card1-die4
 
-  anemo calibrate speeds.csv --head wire.toml --time-constant 0.2 -o hot-wire.toml
+  anemo calibrate speeds.csv --head wire.toml --time-constant 0.2 -o w.toml
 
 A table of winds has the columns event, wind_x_m_s, wind_y_m_s, wind_z_m_s: where the gas goes to.
 
