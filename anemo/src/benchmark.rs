@@ -126,9 +126,7 @@ fn measured_benchmark(arguments: &Arguments) -> Result<(), Failure> {
 
 fn modes_benchmark(arguments: &Arguments) -> Result<(), Failure> {
     let overheat_k = arguments.overheat;
-    if !(overheat_k.is_finite() && overheat_k > 0.0) {
-        return Err(Failure::usage(format!("--overheat is {overheat_k}: it must be finite and above 0")));
-    }
+    crate::output::positive(&[("--overheat", Some(overheat_k))])?;
     let heads = arguments.head.iter().map(|path| Head::read(path)).collect::<Result<Vec<_>, _>>()?;
     // A head that cannot be compared does not take the figures of the others with it.
     let (mut report, mut failed) = (modes::ModesReport { heads: Vec::new() }, Ok(()));
@@ -145,34 +143,38 @@ fn modes_benchmark(arguments: &Arguments) -> Result<(), Failure> {
     failed
 }
 
-/// New heads in a folder that goes again.
+/// Heads of every kind, or those that are given, in a folder that goes again.
 fn heads_benchmark(arguments: &Arguments) -> Result<(), Failure> {
+    crate::output::positive(&[("--overheat", Some(arguments.overheat))])?;
+    let is_given = !arguments.head.is_empty();
+    let heads: Vec<Head> = match is_given {
+        true => arguments.head.iter().map(|path| Head::read(path)).collect::<Result<_, _>>()?,
+        false => [
+            ("wire", NewHeadKind::Wire, 1),
+            ("plate", NewHeadKind::Plate, 1),
+            ("crossed-wires", NewHeadKind::CrossedWires, 2),
+            ("tube-3", NewHeadKind::Cylinder, 3),
+            ("tube-6", NewHeadKind::Cylinder, 6),
+            ("sphere-4", NewHeadKind::Sphere, 4),
+            ("sphere-6", NewHeadKind::Sphere, 6),
+        ]
+        .into_iter()
+        .map(|(name, kind, sectors)| new::of_kind(kind, name, sectors))
+        .collect::<Result<_, _>>()?,
+    };
+    let overheat_k = if is_given { arguments.overheat } else { new::OVERHEAT_K };
     let folder = tempfile::tempdir().map_err(Failure::work)?;
     let mut report = heads::HeadsReport::default();
-    for (n, path) in arguments.head.iter().enumerate() {
+    for (n, head) in heads.iter().enumerate() {
         let own = folder.path().join(n.to_string());
-        new::write(&own, &Head::read(path)?, arguments.overheat, arguments.winds)?;
-        report.extend(heads::measure(&own, true, &announce)?);
+        new::write(&own, head, overheat_k, arguments.winds)?;
+        report.extend(heads::measure(&own, is_given, &announce)?);
     }
-    if !arguments.head.is_empty() {
-        let command = "anemo benchmark heads --head …";
-        dated(&arguments.output, "own-heads.md", &|day| report.page("Heads from their files", command, day))?;
-        return crate::output::print_report(&report, arguments.json);
-    }
-    for (name, kind, sectors) in [
-        ("wire", NewHeadKind::Wire, 1),
-        ("plate", NewHeadKind::Plate, 1),
-        ("crossed-wires", NewHeadKind::CrossedWires, 2),
-        ("tube-3", NewHeadKind::Cylinder, 3),
-        ("tube-6", NewHeadKind::Cylinder, 6),
-        ("sphere-4", NewHeadKind::Sphere, 4),
-        ("sphere-6", NewHeadKind::Sphere, 6),
-    ] {
-        let own = folder.path().join(name);
-        new::write(&own, &new::of_kind(kind, name, sectors)?, new::OVERHEAT_K, arguments.winds)?;
-        report.extend(heads::measure(&own, false, &announce)?);
-    }
-    dated(&arguments.output, "heads.md", &|day| report.page("Heads of every form", "anemo benchmark heads", day))?;
+    let (file, title, command) = match is_given {
+        true => ("own-heads.md", "Heads from their files", "anemo benchmark heads --head …"),
+        false => ("heads.md", "Heads of every form", "anemo benchmark heads"),
+    };
+    dated(&arguments.output, file, &|day| report.page(title, command, day))?;
     crate::output::print_report(&report, arguments.json)
 }
 

@@ -182,20 +182,23 @@ fn tables(arguments: &Arguments) -> Result<Vec<SteadyTable>, Failure> {
             tables.push(SteadyTable::read(path).map_err(Failure::usage)?);
         }
     }
-    match (tables.len(), arguments.time_constant) {
-        (0, Some(_)) => Err(Failure::usage(format!(
-            "--time-constant is of a table of steady winds, with a column `speed_m_s` or `wind_x_m_s` and no `time_s`; {} is none, and \
-             recordings need --network",
-            arguments.recordings[0].display()
-        ))),
-        (some, _) if some > 0 && some < arguments.recordings.len() => {
-            Err(Failure::usage("recordings and tables of steady winds cannot be calibrated together"))
-        }
-        (some, _) if some > 0 && arguments.winds.is_some() => {
-            Err(Failure::usage("--winds is of recordings: a table of steady winds has its winds"))
-        }
-        _ => Ok(tables),
+    if tables.is_empty() {
+        return match arguments.time_constant {
+            None => Ok(tables),
+            Some(_) => Err(Failure::usage(format!(
+                "--time-constant is of a table of steady winds, with a column `speed_m_s` or `wind_x_m_s` and no `time_s`; {} is none, and \
+                 recordings need --network",
+                arguments.recordings[0].display()
+            ))),
+        };
     }
+    if tables.len() < arguments.recordings.len() {
+        return Err(Failure::usage("recordings and tables of steady winds cannot be calibrated together"));
+    }
+    if arguments.winds.is_some() {
+        return Err(Failure::usage("--winds is of recordings: a table of steady winds has its winds"));
+    }
+    Ok(tables)
 }
 
 fn calibrator<'a>(arguments: &Arguments, head: &'a Head, tables: &[SteadyTable]) -> Result<Calibrator<'a>, Failure> {

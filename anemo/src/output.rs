@@ -220,6 +220,15 @@ pub fn keep(read: &[&std::path::Path], written: &[Option<&std::path::Path>]) -> 
     })
 }
 
+/// Options' numbers, all of which must be finite and above 0.
+pub fn positive(options: &[(&str, Option<f64>)]) -> Result<(), Failure> {
+    let mut given = options.iter().filter_map(|(name, value)| Some((name, (*value)?)));
+    match given.find(|(_, value)| !(value.is_finite() && *value > 0.0)) {
+        Some((name, value)) => Err(Failure::usage(format!("{name} is {value}: it must be finite and above 0"))),
+        None => Ok(()),
+    }
+}
+
 /// An option's numbers, none of which may be infinite or no number.
 pub fn finite(options: &[(&str, Option<f64>)]) -> Result<(), Failure> {
     match options.iter().find(|(_, value)| value.is_some_and(|value| !value.is_finite())) {

@@ -119,7 +119,7 @@ impl ReplayChunk<'_> {
             names.iter().map(|name| self.number(&column_name(quantity, name), at) as f32).collect()
         };
         let state = match self.columns.get(STATE).map(|column| &column.values) {
-            Some(ColumnValues::Words(words)) => &words.dictionary()[words.codes()[at] as usize],
+            Some(ColumnValues::Words(words)) => words.word(at),
             _ => "running",
         };
         let flags = self.number(QUALITY_FLAGS, at);

@@ -100,7 +100,7 @@ impl ColumnWords {
     }
 
     /// The word of a row.
-    pub(crate) fn word(&self, row: usize) -> &str {
+    pub fn word(&self, row: usize) -> &str {
         &self.dictionary[self.rows[row] as usize]
     }
 

@@ -51,6 +51,14 @@ pub fn count(number: usize, thing: &str) -> String {
     format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }
 
+/// So many names, and the number of the others.
+pub fn listed<S: std::borrow::Borrow<str>>(names: &[S], most: usize) -> String {
+    match names.len().saturating_sub(most) {
+        0 => names.join(", "),
+        more => format!("{} and {more} more", names[..most].join(", ")),
+    }
+}
+
 /// A sentence that quotes a file may hold anything; what is shown is one line.
 pub fn one_line(sentence: String) -> String {
     if sentence.contains(char::is_control) { sentence.replace(char::is_control, " ") } else { sentence }
@@ -106,6 +114,12 @@ mod tests {
     #[test]
     fn one_thing_is_no_plural() {
         assert_eq!([0, 1, 2].map(|number| count(number, "record")), ["0 records", "1 record", "2 records"]);
+    }
+
+    #[test]
+    fn a_few_names_stand_for_many() {
+        assert_eq!(listed(&["a", "b"], 2), "a, b");
+        assert_eq!(listed(&["a", "b", "c", "d"], 2), "a, b and 2 more");
     }
 
     #[test]

@@ -56,13 +56,11 @@ pub struct CheckArguments {
 
 pub fn check_head(arguments: &CheckArguments) -> Result<(), Failure> {
     let CheckArguments { pressure, temperature, overheat, sample_period, noise, .. } = *arguments;
-    for (option, value) in
-        [("--overheat", Some(overheat)), ("--sample-period", Some(sample_period)), ("--noise", noise)]
-    {
-        if let Some(value) = value.filter(|value| !(value.is_finite() && *value > 0.0)) {
-            return Err(Failure::usage(format!("{option} is {value}: it must be finite and above 0")));
-        }
-    }
+    crate::output::positive(&[
+        ("--overheat", Some(overheat)),
+        ("--sample-period", Some(sample_period)),
+        ("--noise", noise),
+    ])?;
     let canvas = arguments.picture.canvas()?;
     let head = Head::read(&arguments.head)?;
     let given = GivenConditions { species: arguments.gas, pressure_pa: pressure, temperature_c: temperature };

@@ -43,8 +43,8 @@ pub struct IdentifyArguments {
     /// records.
     #[arg(long, value_name = "FILE")]
     head: Option<PathBuf>,
-    /// Elements of the network, with commas between them; by default all but `reference`
-    /// and those that only sense. The others, which only measure, are part of the structure.
+    /// Elements of the network, with commas between them; by default all but `reference` and those
+    /// that only sense. The others, which only measure, are part of the structure.
     #[arg(long, value_name = "ELEMENT", value_delimiter = ',')]
     elements: Vec<String>,
     /// Most free rates of the self-heating of an element, 1 to 8.

@@ -62,13 +62,8 @@ pub fn drawn(
     options: &DrawnOptions,
     law: LossLaw,
 ) -> Result<(Vec<usize>, DrawnSurfaces), CalibratorError> {
-    let outward: Vec<(usize, [f64; 3])> = head
-        .elements
-        .iter()
-        .enumerate()
-        .filter(|(_, of)| of.is_surface())
-        .filter_map(|(at, of)| Some((at, of.normal?)))
-        .collect();
+    let outward: Vec<(usize, [f64; 3])> =
+        head.elements.iter().enumerate().filter_map(|(at, of)| Some((at, of.surface_normal()?))).collect();
     let normals: Vec<[f64; 3]> = outward.iter().map(|(_, normal)| *normal).collect();
     let refuse = |sentence: String| CalibratorError::Head(format!("head `{}` {sentence}", head.name));
     if normals.is_empty() || normals.len() > MOST_SURFACES {

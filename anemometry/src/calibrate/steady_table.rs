@@ -58,8 +58,7 @@ pub fn is_table(path: &Path) -> Result<bool, RecordingError> {
 /// A table of steady winds.
 pub struct SteadyTable {
     table: Recording,
-    /// The gas.
-    pub species: Species,
+    species: Species,
 }
 
 impl SteadyTable {
@@ -112,11 +111,12 @@ impl SteadyTable {
             let rises = rises.ok_or_else(|| {
                 self.refuse(format!("`{}` is in some row without power, or not warmer than the gas", of.name))
             })?;
+            let code_k = head.volt_per_code / (of.nominal.current_low_a * of.ohm_per_k(mean(temperature_c)));
             own.push(SelfHeatingParameters {
                 element,
                 name: of.name.clone(),
                 rest_c,
-                noise: noise_of_a_code(head, of, mean(temperature_c)),
+                noise: ReadingNoise::by_low(code_k, &of.nominal),
                 mesh_rad_s: mesh_rad_s.clone(),
                 r_k_per_w: vec![rise_share * rises.into_iter().fold(0.0, f64::max)],
                 surface: Some(vec![1.0]),
@@ -169,10 +169,7 @@ impl SteadyTable {
         let (pressure_pa, wind_m_s) = (self.table.finite(PRESSURE)?, self.wind_m_s(observed.head, &observed.surfaces)?);
         let labels = self.table.words(EVENT).ok();
         let row = |row: usize| {
-            let label = labels.map_or_else(
-                || format!("row {}", row + 1),
-                |labels| labels.dictionary()[labels.codes()[row] as usize].clone(),
-            );
+            let label = labels.map_or_else(|| format!("row {}", row + 1), |labels| labels.word(row).to_owned());
             let (mut temperature_c, mut power_w) = ([0.0; MOST_ELEMENTS], [0.0; MOST_ELEMENTS]);
             for &(element, (powers_w, temperatures_c)) in &columns {
                 (temperature_c[element], power_w[element]) = (temperatures_c[row] as f32, powers_w[row] as f32);
@@ -256,13 +253,4 @@ impl SteadyTable {
     fn refuse(&self, sentence: String) -> RecordingError {
         RecordingError::new(&self.table.path, sentence)
     }
-}
-
-/// What one code of the converter is worth in temperature, at either level.
-fn noise_of_a_code(head: &Head, of: &HeadElement, temperature_c: f64) -> ReadingNoise {
-    let (channel, at_c) = (&of.config.channel, temperature_c as f32);
-    let platinum = channel.platinum();
-    let ohm_per_k = f64::from(platinum.resistance_ohm(at_c + 0.5) - platinum.resistance_ohm(at_c - 0.5));
-    let code_k = |level: Level| head.volt_per_code / f64::from(channel.current_a(level)) / ohm_per_k;
-    ReadingNoise { low_k: code_k(Level::Low), high_k: code_k(Level::High) }
 }

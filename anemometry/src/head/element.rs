@@ -37,9 +37,20 @@ pub struct HeadElement {
 }
 
 impl HeadElement {
-    /// Whether it is a surface that the wind cools, and that a calibration is of.
+    /// The outward direction of a surface that the wind cools, and that a calibration is of.
+    pub fn surface_normal(&self) -> Option<[f64; 3]> {
+        self.normal.filter(|_| !self.only_senses)
+    }
+
+    /// Whether it is such a surface.
     pub fn is_surface(&self) -> bool {
-        self.normal.is_some() && !self.only_senses
+        self.surface_normal().is_some()
+    }
+
+    /// Slope of its resistance around a temperature, Ω/K.
+    pub fn ohm_per_k(&self, temperature_c: f64) -> f64 {
+        let resistance_ohm = |celsius: f64| f64::from(self.config.channel.platinum().resistance_ohm(celsius as f32));
+        resistance_ohm(temperature_c + 0.5) - resistance_ohm(temperature_c - 0.5)
     }
 
     /// Heating power in W at a temperature in °C with the current at a level: I²R.

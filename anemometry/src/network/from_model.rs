@@ -92,18 +92,12 @@ fn self_heating(
         element,
         name: of.name.clone(),
         rest_c: known.offset_c,
-        noise: noise(known.residual_rms, of),
+        noise: ReadingNoise::by_low(known.residual_rms, &of.nominal),
         surface: of.is_surface().then(shares),
         mesh_rad_s: pair.mesh_rad_s.clone(),
         r_k_per_w,
         layers,
     })
-}
-
-/// Noise of readings by what is left over at the low level: a reading at the high level is so much
-/// better as its current is greater.
-fn noise(low_k: f64, of: &HeadElement) -> ReadingNoise {
-    ReadingNoise { low_k, high_k: low_k * of.nominal.current_low_a / of.nominal.current_high_a }
 }
 
 fn cross_heating(

@@ -15,6 +15,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::ladder::LadderSection;
+use crate::head::nominal::NominalElement;
 
 /// Self-heating of an element, written as `[[calibration.self_heating]]` of a head file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -85,6 +86,14 @@ pub struct QuiescentNetwork {
     pub own: Vec<SelfHeatingParameters>,
     /// Cross-heating, one an ordered pair of elements.
     pub cross: Vec<CrossHeatingParameters>,
+}
+
+impl ReadingNoise {
+    /// By that at the low level: a reading at the high level is so much better as its current is
+    /// greater.
+    pub fn by_low(low_k: f64, of: &NominalElement) -> Self {
+        Self { low_k, high_k: low_k * of.current_low_a / of.current_high_a }
+    }
 }
 
 impl From<[f64; 2]> for ReadingNoise {

@@ -9,6 +9,7 @@ use std::path::Path;
 
 use super::error::NetworkError;
 use diffusive::model::Conditions;
+use recording::text::listed;
 use recording::{POWER, Recording, RecordingError, STATE, TEMPERATURE, TRUE_WIND};
 
 /// Share of the greatest range of power below which an element only measures.
@@ -170,7 +171,7 @@ fn wind(recording: &Recording) -> Result<Option<String>, RecordingError> {
         let labels: Vec<&str> =
             events.dictionary().iter().map(String::as_str).filter(|label| !label.is_empty()).collect();
         if labels.len() > 1 {
-            return Ok(Some(format!("was taken under several conditions, {}: {QUIESCENT}", some_of(&labels))));
+            return Ok(Some(format!("was taken under several conditions, {}: {QUIESCENT}", listed(&labels, LABELS))));
         }
     }
     for column in TRUE_WIND.into_iter().filter(|name| recording.has(name)) {
@@ -181,14 +182,6 @@ fn wind(recording: &Recording) -> Result<Option<String>, RecordingError> {
         }
     }
     Ok(None)
-}
-
-/// The first of many labels.
-fn some_of(labels: &[&str]) -> String {
-    match labels.len().checked_sub(LABELS) {
-        None | Some(0) => labels.join(", "),
-        Some(more) => format!("{} and {more} more", labels[..LABELS].join(", ")),
-    }
 }
 
 fn range_and_mean(values: &[f64]) -> (f64, f64) {
@@ -248,8 +241,8 @@ mod tests {
         let two = refused(4, &|n| 0.01 * (n % 3) as f64);
         assert!(two.starts_with("r.csv: drives `a` and also b"), "{two}");
         let labels = ["still", "wind 1", "wind 2", "wind 3", "wind 4"];
-        assert_eq!(some_of(&labels), "still, wind 1, wind 2 and 2 more");
-        assert_eq!(some_of(&labels[..3]), "still, wind 1, wind 2");
+        assert_eq!(listed(&labels, LABELS), "still, wind 1, wind 2 and 2 more");
+        assert_eq!(listed(&labels[..3], LABELS), "still, wind 1, wind 2");
         let windy = refused(5, &|n| if n == 7 { 2.0 } else { 0.0 });
         assert!(windy.starts_with("r.csv: row 8: `true_wind_x_m_s` is 2.000 m/s"), "{windy}");
     }

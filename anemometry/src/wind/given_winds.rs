@@ -6,6 +6,7 @@
 use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
+use recording::text::listed;
 use recording::{ColumnValues, EVENT, GIVEN_WIND, Recording, RecordingError, RecordingReader, TRUE_WIND};
 
 /// Labels that a sentence names.
@@ -38,16 +39,16 @@ impl GivenWinds {
         let lacking: Vec<&str> = recorded.difference(&given).map(String::as_str).collect();
         let (table, name) = (self.path.display(), recording.display());
         if unused.len() == given.len() {
-            let has = if lacking.is_empty() { "no labels".to_owned() } else { listed(&lacking) };
-            let sentence = format!("has winds for {}, but {name} has {has}: no wind has its label", listed(&unused));
+            let has = if lacking.is_empty() { "no labels".to_owned() } else { quoted(&lacking) };
+            let sentence = format!("has winds for {}, but {name} has {has}: no wind has its label", quoted(&unused));
             return Err(RecordingError::new(&self.path, sentence));
         }
         let mut warnings = Vec::new();
         if !unused.is_empty() {
-            warnings.push(format!("{table}: {} {} no label of {name}", listed(&unused), are(&unused)));
+            warnings.push(format!("{table}: {} {} no label of {name}", quoted(&unused), are(&unused)));
         }
         if !lacking.is_empty() {
-            let (labels, are) = (listed(&lacking), are(&lacking));
+            let (labels, are) = (quoted(&lacking), are(&lacking));
             warnings.push(format!("{table}: lacks {labels}, which {are} in {name}: not compared with a true wind"));
         }
         Ok(warnings)
@@ -71,13 +72,9 @@ fn labels_of(recording: &Path) -> Result<BTreeSet<String>, RecordingError> {
     Ok(labels)
 }
 
-/// A few labels by name, and the number of the others.
-fn listed(labels: &[&str]) -> String {
-    let named: Vec<String> = labels.iter().take(NAMED).map(|label| format!("`{label}`")).collect();
-    match labels.len() - named.len() {
-        0 => named.join(", "),
-        more => format!("{} and {more} more", named.join(", ")),
-    }
+/// A few labels by name.
+fn quoted(labels: &[&str]) -> String {
+    listed(&labels.iter().map(|label| format!("`{label}`")).collect::<Vec<_>>(), NAMED)
 }
 
 fn are(labels: &[&str]) -> &'static str {

@@ -184,7 +184,7 @@ impl Replay {
         let (chunk, places, row) = (&self.chunk, &self.places, self.row);
         let number = |place: usize| number(&chunk[place], row);
         let word = |place: usize| match &chunk[place].values {
-            ColumnValues::Words(words) => words.dictionary()[words.codes()[row] as usize].clone(),
+            ColumnValues::Words(words) => words.word(row).to_owned(),
             ColumnValues::Numbers(numbers) => numbers[row].to_string(),
         };
         let columns = places.temperature.iter().zip(&places.heater).zip(&places.power);

@@ -157,10 +157,7 @@ fn noise_w(survey: &mut BodySurvey, elements: &[HeadElement], conditions: &HeadC
     let gains_k_per_w = survey.own_gains_k_per_w([0.0; 3]);
     let share = conditions.sample_period_s / WINDOW_S;
     let variance_w2 = |(i, of): (usize, &HeadElement)| {
-        let platinum = of.config.channel.platinum();
-        let ohm_per_k = f64::from(platinum.resistance_ohm((set_point_c + 0.5) as f32))
-            - f64::from(platinum.resistance_ohm((set_point_c - 0.5) as f32));
-        let noise_k = conditions.noise_v_rms / (of.nominal.current_high_a * ohm_per_k);
+        let noise_k = conditions.noise_v_rms / (of.nominal.current_high_a * of.ohm_per_k(set_point_c));
         let step_w = of.power_w(set_point_c, Level::High) - of.power_w(set_point_c, Level::Low);
         let rounding_w2 = 2.0 * (step_w * share).powi(2) / 12.0;
         let stored_w2 = 2.0 * (survey.element_capacity_j_k(i) * noise_k / WINDOW_S).powi(2);

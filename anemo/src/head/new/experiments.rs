@@ -58,8 +58,7 @@ fn gentle_currents(element: &HeadElement, of: &ElementCheck, overheat_k: f64) ->
 
 /// Which winds a head can tell, by what its surfaces belong to.
 fn plane(head: &Head) -> String {
-    let options = DrawnOptions::default();
-    let Ok((_, drawn)) = drawn(head, &options, LossLaw::Spline) else { return LEVEL.to_owned() };
+    let Ok((_, drawn)) = drawn(head, &DrawnOptions::default(), LossLaw::Spline) else { return LEVEL.to_owned() };
     match drawn.form {
         HeadForm::Sphere | HeadForm::Cube => String::new(),
         HeadForm::Wires => {
@@ -84,8 +83,7 @@ fn within_limits(head: &Head, report: &HeadCheckReport) -> Result<(), Failure> {
     let set_point_c = report.conditions.set_point_c();
     let held = head.elements.iter().zip(&report.elements).filter(|(_, of)| of.held).map(|(element, _)| element);
     for element in held {
-        let (channel, limits) = (&element.config.channel, &element.config.limits);
-        let hottest_c = limits.temperature_max_c.min(channel.platinum().temperature_c(limits.resistance_max_ohm));
+        let (hottest_c, _) = element.config.hottest_set_point();
         if set_point_c > f64::from(hottest_c) {
             return Err(Failure::usage(format!(
                 "--overheat is {}: it makes `{}` {} °C warm, and by its limits it trips above {} °C",
@@ -138,6 +136,7 @@ pub fn experiments(head: &Head, overheat_k: f64, count: u32) -> Result<NewExperi
     }
     let mut all = vec![("held.toml".to_owned(), text)];
     // A calibration, and winds that it has not seen.
+    let plane = plane(head);
     for (file, title, winds, [least_m_s, most_m_s], hold_s, seed) in [
         ("tunnel.toml", "calibration in a tunnel", 60, [0.5, 10.0], 20.0, 1),
         ("winds.toml", "winds to estimate", count, [0.7, 9.0], 10.0, 7),
@@ -148,7 +147,7 @@ pub fn experiments(head: &Head, overheat_k: f64, count: u32) -> Result<NewExperi
             "\n[sweep]\nwinds = {winds}\nleast_m_s = {least_m_s:.1}\nmost_m_s = {most_m_s:.1}\nhold_s = {hold_s:.1}\nstill_s = \
              {warm_s:.1}\nseed = {seed}\n"
         );
-        text += &plane(head);
+        text += &plane;
         all.push((file.to_owned(), text));
     }
     let record_s = (12.0 * slowest_s / 600.0).ceil() * 600.0;

@@ -86,9 +86,7 @@ pub fn begin(arguments: &NewArguments) -> Result<(), Failure> {
         ))
     })?;
     let overheat_k = arguments.overheat;
-    if !(overheat_k.is_finite() && overheat_k > 0.0) {
-        return Err(Failure::usage(format!("--overheat is {overheat_k}: it must be finite and above 0")));
-    }
+    crate::output::positive(&[("--overheat", Some(overheat_k))])?;
     let head = head(arguments, name)?;
     let NewExperiments { identified, still_s, .. } = write(folder, &head, overheat_k, WINDS)?;
     let (folder, elements) = (Path::display(folder), identified.join(" "));
@@ -111,9 +109,10 @@ pub fn begin(arguments: &NewArguments) -> Result<(), Failure> {
 
 /// The head of a kind, or of a file.
 fn head(arguments: &NewArguments, name: &str) -> Result<Head, Failure> {
-    let Some(kind) = arguments.kind else {
-        let path = arguments.from.as_deref().unwrap_or(Path::new(""));
-        return Ok(Head::read(path)?);
+    let kind = match (arguments.kind, &arguments.from) {
+        (Some(kind), _) => kind,
+        (None, Some(path)) => return Ok(Head::read(path)?),
+        (None, None) => return Err(Failure::usage("--kind or --from says what the folder begins with")),
     };
     let known = kind.sectors();
     let sectors = arguments.sectors.unwrap_or(known[0]);

@@ -15,7 +15,7 @@ use super::super::steady_wind::SurfaceReading;
 use super::equations::{QUIESCENT, SurfaceEquations, SurfaceProblem};
 use super::family::AmplitudeShape;
 use super::fit::SurfaceFit;
-use super::grade::CalibrationGrade;
+use super::grade::{ADVICE, CalibrationGrade};
 use super::king::FittedKing;
 use crate::head::calibration::table::NusseltTable;
 use crate::vector::length;
@@ -179,8 +179,7 @@ impl SurfaceCalibration {
         (self.grade() == CalibrationGrade::Poor).then(|| {
             let (percent, worst) = (100.0 * self.misfit_rms, &self.worst);
             format!(
-                "the calibration is poor: the model misses the convective power by {percent:.1} % rms, most in {} at {}; \
-                 check labels and frame of the winds, the order of the surfaces, and what stands in the stream",
+                "the calibration is poor: the model misses the convective power by {percent:.1} % rms, most in {} at {}; {ADVICE}",
                 worst.label, worst.surface
             )
         })
@@ -235,7 +234,8 @@ impl fmt::Display for SurfaceCalibration {
             self.chi_square,
             self.degrees_of_freedom
         )?;
-        writeln!(f, "{}: {}", self.grade().name(), self.grade().meaning())?;
+        let advice = if self.grade() == CalibrationGrade::Poor { format!(": {ADVICE}") } else { String::new() };
+        writeln!(f, "{}: {}{advice}", self.grade().name(), self.grade().meaning())?;
         if self.form != HeadForm::Single {
             self.write_mounting(f)?;
         }

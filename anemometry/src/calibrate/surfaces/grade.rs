@@ -9,6 +9,9 @@ use serde::Serialize;
 const GOOD: f64 = 2e-3;
 /// Misfit up to which it is fair: 2 to 3 % of speed.
 const FAIR: f64 = 1e-2;
+/// What to do about a poor one.
+pub const ADVICE: &str =
+    "check labels and frame of the winds, the order of the surfaces, and what stands in the stream";
 
 /// What a calibration is worth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -41,16 +44,14 @@ impl CalibrationGrade {
         }
     }
 
-    /// What it means, and what to do.
+    /// What it means.
     pub fn meaning(self) -> &'static str {
         match self {
             Self::Good => "the misfit is less than 0.5 % of speed; standard uncertainties include it",
             Self::Fair => {
                 "the misfit is up to 3 % of speed, as much as an ordinary tunnel's speeds are off; look at the worst wind"
             }
-            Self::Poor => {
-                "the misfit is more than 3 % of speed: check labels and frame of the winds, the order of the surfaces, and what stands in the stream"
-            }
+            Self::Poor => "the misfit is more than 3 % of speed",
         }
     }
 }

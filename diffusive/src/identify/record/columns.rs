@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use super::error::RecordError;
-use recording::text::suggest;
+use recording::text::{listed, suggest};
 use recording::{ColumnValues, POWER, RecordingReader, TEMPERATURE};
 
 /// What people call the columns in which they number conditions.
@@ -99,12 +99,8 @@ impl<'a> FileColumns<'a> {
     }
 
     pub(super) fn list(&self, columns: &[usize]) -> String {
-        let shown = columns.iter().take(MOST_LISTED).map(|&column| format!("`{}`", self.names[column]));
-        let names = shown.collect::<Vec<_>>().join(", ");
-        match columns.len().saturating_sub(MOST_LISTED) {
-            0 => names,
-            more => format!("{names} and {more} more"),
-        }
+        let names: Vec<String> = columns.iter().map(|&column| format!("`{}`", self.names[column])).collect();
+        listed(&names, MOST_LISTED)
     }
 
     /// The candidates whose range is above `part` of the largest range; reads on until all are, or
