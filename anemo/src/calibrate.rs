@@ -170,7 +170,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     let mut report = CalibrationReport::new(calibrated, short, arguments.settle);
     report.written.clone_from(&arguments.output);
-    report.warning().iter().for_each(|warning| warn(warning));
+    report.warnings().iter().for_each(|warning| warn(warning));
     crate::output::print_report(&report, arguments.json)
 }
 

@@ -49,6 +49,8 @@ pub struct Calibrator<'a> {
     observed: ObservedHead<'a>,
     drawn: DrawnHead,
     law: Option<LossLaw>,
+    /// Without a network of its own.
+    is_by_table: bool,
 }
 
 /// Surfaces of a head as drawn.
@@ -131,6 +133,7 @@ impl<'a> Calibrator<'a> {
         reference: Option<usize>,
         (drawn, law): (DrawnHead, Option<LossLaw>),
     ) -> Result<Self, CalibratorError> {
+        let is_by_table = matches!(network, NetworkSource::Table { .. });
         let (network, quiescent) = match network {
             NetworkSource::Identified(model) => {
                 (QuiescentNetwork::of(model, head)?, model.provenance.conditions.clone())
@@ -149,7 +152,8 @@ impl<'a> Calibrator<'a> {
         let quiescent = quiescent.ok_or_else(|| CalibratorError::Head("does not tell its gas".to_owned()))?;
         let species = Species::named(&quiescent.species)
             .ok_or_else(|| CalibratorError::Head(format!("is of the gas {}", quiescent.species)))?;
-        Ok(Self { observed: ObservedHead { head, network, surfaces, reference, species, quiescent }, drawn, law })
+        let observed = ObservedHead { head, network, surfaces, reference, species, quiescent };
+        Ok(Self { observed, drawn, law, is_by_table })
     }
 
     /// The steady winds of a user's own tables.
@@ -178,7 +182,11 @@ impl<'a> Calibrator<'a> {
         recordings: &str,
         direction_error_max_deg: f64,
     ) -> Result<CalibratedHead, CalibratorError> {
-        let result = self.result(steady)?;
+        let mut result = self.result(steady)?;
+        if let (true, CalibrationResult::Surfaces { calibration, .. }) = (self.is_by_table, &mut result) {
+            // A network by the table itself has taken still gas out of the readings.
+            calibration.surfaces.iter_mut().for_each(|surface| surface.is_quiescent_fitted = false);
+        }
         let (winds, form, diameter_m, nusselt, card) = match &result {
             CalibrationResult::Surfaces { calibration: of, .. } => {
                 (count(of.winds, "wind"), of.form, of.diameter_m, Some(of.curves.clone()), None)
@@ -337,37 +345,70 @@ mod tests {
     use crate::gas::IdealGas;
     use crate::vector::{dot, unit};
 
-    #[test]
-    fn crossed_wires_that_look_away_from_the_winds_are_refused() {
-        let across = [unit([1.0, 1.0, 0.0]), unit([1.0, -1.0, 0.0])];
+    /// Films of 0.5 mm in winds within an angle of x, by King's law to 0.1 %.
+    fn films(
+        normals: [[f64; 3]; 2],
+        yaw_factor: f64,
+        winds: i32,
+        within_deg: f64,
+    ) -> Result<CalibrationResult, CalibrateError> {
         let gas = IdealGas::new(Species::Air, 101_325.0, 293.15).unwrap();
-        let winds: Vec<SteadyWind> = (0..60)
-            .map(|n| {
-                let share = |by: f64| (f64::from(n + 1) * by).fract();
-                let (speed, angle) = (0.5 * 20_f64.powf(share(0.618)), 1.2 * (share(0.755) - 0.5));
-                let wind_m_s = [-speed * angle.cos(), -speed * angle.sin(), 0.0];
-                let surfaces = across.map(|normal| {
-                    let seen = dot(wind_m_s, normal).hypot(0.2 * speed);
-                    let power_w = 20.0 * 2e-4 * seen.powf(0.45);
-                    SurfaceReading {
-                        power_w,
-                        overheat_k: 20.0,
-                        above_reference_k: 20.0,
-                        variance_w2: (1e-3 * power_w).powi(2),
-                    }
-                });
-                SteadyWind { label: format!("wind {n}"), wind_m_s, gas, surfaces: surfaces.into() }
-            })
-            .collect();
-        let by = |normals: [[f64; 3]; 2]| {
-            let surfaces = surfaces_of(HeadForm::Wires, &normals, 5e-4, 5e-3).unwrap().into_iter();
-            let surfaces = surfaces.map(|config| DrawnSurface { name: "film".to_owned(), config }).collect();
-            let law = LossLaw::King { exponent: Some(0.45) };
-            surfaces_by(&DrawnSurfaces { form: HeadForm::Wires, law, diameter_m: 5e-4, surfaces }, &winds)
+        let built = [unit([1.0, 1.0, 0.0]), unit([1.0, -1.0, 0.0])];
+        let wind = |n: i32| {
+            let share = |by: f64| (f64::from(n + 1) * by).fract();
+            let (speed, angle) =
+                (0.5 * 20_f64.powf(share(0.618)), 2.0 * within_deg.to_radians() * (share(0.755) - 0.5));
+            let wind_m_s = [-speed * angle.cos(), -speed * angle.sin(), 0.0];
+            let surfaces = built.map(|normal| {
+                let (along, turned) = (dot(wind_m_s, normal), dot(wind_m_s, [-normal[1], normal[0], 0.0]));
+                let power_w = 20.0 * 2e-4 * along.hypot(yaw_factor * turned).powf(0.45);
+                SurfaceReading {
+                    power_w,
+                    overheat_k: 20.0,
+                    above_reference_k: 20.0,
+                    variance_w2: (1e-3 * power_w).powi(2),
+                }
+            });
+            SteadyWind { label: format!("wind {n}"), wind_m_s, gas, surfaces: surfaces.into() }
         };
-        assert!(by(across).is_ok());
-        let refused = by(across.map(|normal| normal.map(|x| -x))).err().unwrap();
-        assert!(matches!(refused, CalibrateError::Direction { rms_deg } if rms_deg > 150.0), "{refused}");
+        let surfaces = surfaces_of(HeadForm::Wires, &normals, 5e-4, 5e-3).unwrap().into_iter();
+        let surfaces = surfaces.map(|config| DrawnSurface { name: "film".to_owned(), config }).collect();
+        let law = LossLaw::King { exponent: None };
+        let drawn = DrawnSurfaces { form: HeadForm::Wires, law, diameter_m: 5e-4, surfaces };
+        surfaces_by(&drawn, &(0..winds).map(wind).collect::<Vec<_>>())
+    }
+
+    const ACROSS: [[f64; 3]; 2] = {
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        [[half, half, 0.0], [half, -half, 0.0]]
+    };
+
+    #[test]
+    fn winds_that_wires_see_mirrored_are_refused() {
+        let mirrored = |normals, within_deg| match films(normals, 0.2, 60, within_deg) {
+            Err(CalibrateError::Mirrored { labels }) => labels.len(),
+            Err(error) => panic!("{error}"),
+            Ok(_) => 0,
+        };
+        assert_eq!(mirrored(ACROSS, 34.0), 0);
+        assert_eq!(mirrored(ACROSS.map(|normal| normal.map(|x| -x)), 34.0), 60, "all from behind");
+        // Beyond 45° of the middle, and 5° that a mounting may be off, are 30 of 80.
+        assert!((20..26).contains(&mirrored(ACROSS, 80.0)));
+        assert_eq!(mirrored(ACROSS, 49.0), 0);
+        assert!((20..36).contains(&mirrored([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], 34.0)), "half of them");
+    }
+
+    #[test]
+    fn the_yaw_factor_is_that_of_the_law_and_not_of_six_cosines() {
+        for built in [0.0, 0.05, 0.1, 0.15, 0.25, 0.4] {
+            let Ok(CalibrationResult::Surfaces { calibration, .. }) = films(ACROSS, built, 60, 45.0) else {
+                panic!("yaw factor {built}")
+            };
+            let king = calibration.king.unwrap();
+            let (yaw, error) = (king.yaw_factor.unwrap(), king.se_yaw_factor.unwrap());
+            assert!((yaw - built).abs() < 1e-4 && (king.exponent / 0.45 - 1.0).abs() < 1e-4, "{built}: {king:?}");
+            assert!(error > 0.0 && error < 0.01, "{built} ± {error}");
+        }
     }
 
     #[test]

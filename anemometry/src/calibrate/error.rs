@@ -36,10 +36,21 @@ pub enum CalibrateError {
         /// The reading that fits least.
         worst: WorstReading,
     },
+    /// Winds from where wires see the same as from elsewhere.
+    #[error(
+        "{} of the winds, such as `{}`, come from where the wires see the same as from in front: from behind their normals, or \
+         from outside the quadrant between two normals that stand at right angles; turn the normals or the frame of the winds, or leave such \
+         winds out",
+        labels.len(), labels[0]
+    )]
+    Mirrored {
+        /// Of these winds; at least one.
+        labels: Vec<String>,
+    },
     /// What fits tells no direction.
     #[error(
-        "directions that were left out of the fit come out {rms_deg:.0}° wrong, rms: winds come from behind the normals, or from where they \
-         look like others, as to crossed wires beyond 45° of the middle; turn the normals or the frame of the winds, or leave such winds out"
+        "directions that were left out of the fit come out {rms_deg:.0}° wrong, rms: check the frame of the winds, the normals \
+         and the order of the surfaces"
     )]
     Direction {
         /// Of the cross-validation, °.

@@ -19,6 +19,9 @@ const BANDWIDTHS_HZ: [f64; 7] = [0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0];
 const OVERHEAT_K: f64 = 30.0;
 const SAMPLE_PERIOD_S: f64 = 1e-3;
 
+/// Held-out directions that are worse, rms, are warned of, °.
+const POOR_DIRECTION_DEG: f64 = 10.0;
+
 /// Summary of `anemo calibrate`.
 pub struct CalibrationReport {
     /// The calibration, with its errors.
@@ -64,12 +67,15 @@ impl CalibrationReport {
         Self { result: calibrated.result, short, settle_s, noise, written: None }
     }
 
-    /// What is poor about it, if anything is.
-    pub fn warning(&self) -> Option<String> {
-        match &self.result {
-            CalibrationResult::Surfaces { calibration, .. } => calibration.warning(),
-            CalibrationResult::Card { .. } => None,
+    /// What is wrong with it, a sentence each.
+    pub fn warnings(&self) -> Vec<String> {
+        let CalibrationResult::Surfaces { calibration, directions, .. } = &self.result else { return Vec::new() };
+        let mut sentences = calibration.warnings();
+        let rms_deg = directions.overall().direction_rms_deg;
+        if rms_deg > POOR_DIRECTION_DEG {
+            sentences.push(format!("directions that were left out of the fit come out {rms_deg:.0}° wrong, rms"));
         }
+        sentences
     }
 }
 

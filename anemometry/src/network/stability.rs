@@ -16,7 +16,10 @@
 //! they do not is refused.
 //!
 //! Where the E of one surface is above that of the steady filters, or not finite, none gets quick
-//! gains. The error of an observer does not depend on the heating that it
+//! gains. Nor do they where the error runs away at a small duty cycle: gains that are right for a
+//! reading at the high level in every other tick are no longer so where the next one comes after 16
+//! of them. Three films on a tube run away from every fourth, 10⁴ times the steady E and more; the
+//! sectors of sphere B stay within 5, hemispheres of sphere A within 12. The error of an observer does not depend on the heating that it
 //! knows of, and so there is none. Four dice on a card, which heat each other by a fifth of what
 //! they heat themselves within a second, are unstable with quick gains; the sectors of a sphere are
 //! not.
@@ -38,6 +41,10 @@ const FOLLOWED: f64 = 2.0;
 /// E over that of the steady filters at most: jumps that raise no alarm differ by what the others'
 /// do.
 const WORSE: f64 = 1.05;
+/// E over that of the steady filters from which quick gains have run away.
+const RUNS_AWAY: f64 = 50.0;
+/// Ticks by which an element is read at the high level before the next one.
+const SKEW: usize = 5;
 /// a_i: of the surfaces in turn.
 const SHARES: [f64; 4] = [1.0, -0.5, 0.75, 0.25];
 /// Fewest ticks of a third.
@@ -89,10 +96,28 @@ enum ReadLevels {
     Low,
     Turns,
     High,
+    /// High in one tick of so many, one element after the other.
+    OneOf(usize),
 }
 
 impl ReadLevels {
     const ALL: [Self; 3] = [Self::Low, Self::Turns, Self::High];
+    const SELDOM: [Self; 6] =
+        [Self::OneOf(3), Self::OneOf(6), Self::OneOf(12), Self::OneOf(24), Self::OneOf(48), Self::OneOf(96)];
+
+    /// Elements of `valid` that are read at the high level at a tick.
+    fn read_high(self, valid: u16, tick: usize) -> u16 {
+        let turn = |element: usize, ticks: usize| (tick + SKEW * element).is_multiple_of(ticks);
+        match self {
+            Self::Low => 0,
+            Self::Turns => valid * u16::from(tick.is_multiple_of(2)),
+            Self::High => valid,
+            Self::OneOf(ticks) => {
+                let high = (0..MOST_ELEMENTS).filter(|&element| turn(element, ticks));
+                high.fold(0, |high, element| high | 1_u16 << element) & valid
+            }
+        }
+    }
 }
 
 /// Whether the error of steady gains dies away after a jump.
@@ -141,13 +166,19 @@ pub fn worse_when_quick<'a>(
 ) -> Vec<&'a str> {
     let ticks = (FOLLOWED * LAST_PERIODS / bandwidth_hz / sample_period_s).ceil() as usize;
     let jump_w = |stretch: usize| if stretch == 0 { JUMP_W } else { 0.0 };
-    let errors = |observer| {
-        let [up, back] = courses(network, observer, &[ticks; 2], jump_w, ReadLevels::Turns, sample_period_s)?;
+    let errors = |observer, levels| {
+        let [up, back] = courses(network, observer, &[ticks; 2], jump_w, levels, sample_period_s)?;
         Some(std::array::from_fn::<f64, MOST_ELEMENTS, _>(|place| up[place] + back[place]))
     };
-    let (Some(by_steady), Some(by_quick)) = (errors(steady), errors(quick)) else { return Vec::new() };
-    let worse = |place: usize| by_quick[place].is_nan() || by_quick[place] > WORSE * by_steady[place];
-    let own = network.own.iter().filter(|own| own.surface.is_some() && worse(own.element));
+    let mut worse = [false; MOST_ELEMENTS];
+    let seldom = ReadLevels::SELDOM.map(|levels| (levels, RUNS_AWAY));
+    for (levels, most) in [(ReadLevels::Turns, WORSE)].into_iter().chain(seldom) {
+        let (Some(by_steady), Some(by_quick)) = (errors(steady, levels), errors(quick, levels)) else { continue };
+        for (worse, (quick, steady)) in worse.iter_mut().zip(by_quick.iter().zip(by_steady)) {
+            *worse |= quick.is_nan() || *quick > most * steady;
+        }
+    }
+    let own = network.own.iter().filter(|own| own.surface.is_some() && worse[own.element]);
     own.map(|own| own.name.as_str()).collect()
 }
 
@@ -177,11 +208,7 @@ fn courses<const S: usize>(
         let look = TickInput {
             temperature_c: &truth.temperature_c(),
             valid,
-            read_high: match levels {
-                ReadLevels::Low => 0,
-                ReadLevels::Turns => valid * u16::from(tick % 2 == 0),
-                ReadLevels::High => valid,
-            },
+            read_high: levels.read_high(valid, tick),
             power_w: &[0.0; MOST_ELEMENTS],
             standing_w: &[0.0; MOST_ELEMENTS],
         };
@@ -312,6 +339,13 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn quick_gains_that_run_away_at_small_duty_cycles_are_left_out() {
+        let network = tube();
+        let observer = network.adaptive_observer(1.0, 0.01).unwrap();
+        assert!(observer.faster.is_empty() && observer.fixed.is_some());
     }
 
     #[test]

@@ -10,9 +10,9 @@
 //! | `hold_s` | s | each wind |
 //! | `still_s` | s | still gas before the first; 0 if not given |
 //! | `stem_cone_deg` | ° | winds that come from within this angle of the stem, which is along −z, are left out; 0 if not given |
-//! | `plane` | | `level`: winds in the horizontal plane, in all its directions, as for a card that lies in it; `upright`: in that of y and z, across a boom along x |
+//! | `plane` | | `level`: winds in the horizontal plane, in all its directions, as for a card that lies in it; `upright`: in that of y and z, across a boom along x; or the plane across a normal `[x, y, z]` |
 //! | `facing_deg` | ° | with `plane`: only winds that come from within this angle of `facing_azimuth_deg`; 180 if not given |
-//! | `facing_azimuth_deg` | ° | from x towards y; 0 if not given |
+//! | `facing_azimuth_deg` | ° | from x towards y, of a normal from the part of x in the plane around the normal; 0 if not given |
 //! | `seed` | | another seed, other winds; the experiment's if not given |
 //!
 //! Directions are drawn evenly over the sphere, or the plane. It becomes ordinary entries with the
@@ -24,11 +24,14 @@ use serde::Deserialize;
 
 use super::grid::TickGrid;
 use crate::sensor::WindEntry;
+use anemometry::vector::{self, length, unit};
 use recording::toml_file::FileError;
 
 const SPEEDS_M_S: std::ops::RangeInclusive<f64> = 0.01..=100.0;
 const MOST_WINDS: u32 = 10_000;
 const STILL: &str = "still";
+/// Cosine of a normal to x from which x has no part in the plane.
+const ALONG_X: f64 = 0.999;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -49,11 +52,31 @@ pub(super) struct SweepTable {
 }
 
 /// In which the winds lie.
+#[derive(Deserialize, Clone, Copy, PartialEq)]
+#[serde(untagged)]
+enum SweepPlane {
+    Named(NamedPlane),
+    /// Across a normal of any length.
+    Across([f64; 3]),
+}
+
 #[derive(Deserialize, Clone, Copy, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
-enum SweepPlane {
+enum NamedPlane {
     Level,
     Upright,
+}
+
+/// A direction in the plane across a normal as azimuth and elevation, °: at an angle from the part
+/// of x in it, or of y where the normal is along x.
+fn across(normal: [f64; 3], angle_deg: f64) -> (f64, f64) {
+    let normal = unit(normal);
+    let along = if normal[0].abs() < ALONG_X { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+    let first = unit(vector::across(along, normal));
+    let second = vector::cross(normal, first);
+    let (sine, cosine) = angle_deg.to_radians().sin_cos();
+    let [x, y, z]: [f64; 3] = std::array::from_fn(|k| cosine * first[k] + sine * second[k]);
+    (y.atan2(x).to_degrees(), z.clamp(-1.0, 1.0).asin().to_degrees())
 }
 
 /// The entries of an experiment; `seed` is that of the experiment.
@@ -68,6 +91,11 @@ pub(super) fn entries(grid: &TickGrid, table: &SweepTable, seed: u64) -> Result<
         if table.plane.is_none() {
             return Err(source.refuse("sweep.facing_deg", "is of winds in a plane: `plane` belongs to it"));
         }
+    }
+    if let Some(SweepPlane::Across(normal)) = table.plane
+        && !(length(normal).is_finite() && length(normal) > 0.0)
+    {
+        return Err(source.refuse("sweep.plane", "is a normal without a direction: [0.0, 0.0, 1.0] is the level plane's"));
     }
     source.within("sweep.facing_azimuth_deg", table.facing_azimuth_deg, -360.0..=360.0, "°")?;
     let hold = grid.whole_ticks("sweep.hold_s", table.hold_s)?;
@@ -106,7 +134,8 @@ pub(super) fn entries(grid: &TickGrid, table: &SweepTable, seed: u64) -> Result<
             None => 360.0 * share(),
         };
         let (azimuth_deg, elevation_deg) = match table.plane {
-            Some(SweepPlane::Upright) => {
+            Some(SweepPlane::Across(normal)) => across(normal, angle_deg),
+            Some(SweepPlane::Named(NamedPlane::Upright)) => {
                 let (up, along_y) = angle_deg.to_radians().sin_cos();
                 (if along_y < 0.0 { 270.0 } else { 90.0 }, up.asin().to_degrees())
             }
@@ -126,7 +155,9 @@ pub(super) fn entries(grid: &TickGrid, table: &SweepTable, seed: u64) -> Result<
 
 #[cfg(test)]
 mod tests {
+    use super::*;
     use crate::experiment::Experiment;
+    use anemometry::vector::{angle_deg, dot};
     use recording::toml_file::TomlSource;
 
     fn with(sweep: &str) -> Result<Experiment, String> {
@@ -196,6 +227,27 @@ mod tests {
             let error = with(&good.replace(from, to)).unwrap_err();
             assert!(error.contains(expected), "{error}");
         }
+    }
+
+    #[test]
+    fn a_plane_across_a_normal_is_the_named_one_of_that_normal() {
+        let sweep = |plane: &str| {
+            with(&format!("winds = 200\nleast_m_s = 1.0\nmost_m_s = 2.0\nhold_s = 0.1\nplane = {plane}")).unwrap().wind
+        };
+        for (named, normal) in [("\"level\"", "[0.0, 0.0, 2.0]"), ("\"upright\"", "[1.0, 0.0, 0.0]")] {
+            for (a, b) in sweep(named).iter().zip(sweep(normal)) {
+                assert!(angle_deg(a.mean_m_s(), b.mean_m_s()) < 1e-9, "{named}");
+            }
+        }
+        let normal = [0.0, -0.75_f64.sqrt(), -0.5];
+        let tilted = sweep("[0.0, -0.8660254037844386, -0.5]");
+        assert!(tilted.iter().all(|wind| dot(wind.mean_m_s(), normal).abs() < 1e-9));
+        let quadrant = |wind: &WindEntry| (wind.mean_m_s()[0] > 0.0, wind.mean_m_s()[2] > 0.0);
+        for of in [(false, false), (false, true), (true, false), (true, true)] {
+            assert!(tilted.iter().filter(|wind| quadrant(wind) == of).count() > 30);
+        }
+        let none = with("winds = 2\nleast_m_s = 1.0\nmost_m_s = 2.0\nhold_s = 0.1\nplane = [0.0, 0.0, 0.0]").unwrap_err();
+        assert!(none.contains("sweep.plane"), "{none}");
     }
 
     #[test]

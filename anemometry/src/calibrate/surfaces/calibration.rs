@@ -21,6 +21,8 @@ use crate::head::calibration::table::NusseltTable;
 use crate::vector::length;
 use recording::text::{count, estimate, short};
 
+/// Nusselt numbers beyond so many times published ones are those of wrong units.
+const UNLIKELY: f64 = 5.0;
 /// Readings that leave a greater part of what is known of G0 before any of them have not fitted it.
 const FITTED: f64 = 0.5;
 
@@ -162,7 +164,7 @@ impl SurfaceCalibration {
             quiescent: problem.winds.iter().filter(|wind| wind.is_quiescent()).count(),
             coefficients: match &family.shape {
                 AmplitudeShape::Spline(spline) => Some(spline.count()),
-                AmplitudeShape::King { .. } => None,
+                AmplitudeShape::Law | AmplitudeShape::King { .. } => None,
             },
             king,
             orders: family.orders.clone(),
@@ -174,15 +176,39 @@ impl SurfaceCalibration {
         CalibrationGrade::of(self.misfit_rms)
     }
 
-    /// What is poor about it, if it is graded so.
-    pub fn warning(&self) -> Option<String> {
-        (self.grade() == CalibrationGrade::Poor).then(|| {
+    /// What is wrong with it, a sentence each.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut sentences = Vec::new();
+        if self.grade() == CalibrationGrade::Poor {
             let (percent, worst) = (100.0 * self.misfit_rms, &self.worst);
-            format!(
+            sentences.push(format!(
                 "the calibration is poor: the model misses the convective power by {percent:.1} % rms, most in {} at {}; {ADVICE}",
                 worst.label, worst.surface
-            )
-        })
+            ));
+        }
+        let likely = self.over_published();
+        if !(1.0 / UNLIKELY..=UNLIKELY).contains(&likely) {
+            sentences.push(format!(
+                "the Nusselt numbers are {} times those of such bodies at Re {} to {}: is the pressure in pascals, the speed in m/s, the \
+                 power in watts, and are diameter and area those of the body?",
+                short(likely, 2),
+                short(self.curves.least_reynolds, 2),
+                short(self.curves.most_reynolds, 2)
+            ));
+        }
+        sentences
+    }
+
+    /// What a stream adds to the mean Nusselt number over 0.6 Re^½, which is about that of published
+    /// spheres, cylinders and wires; geometric mean over the range of speeds.
+    fn over_published(&self) -> f64 {
+        let ratio = (self.curves.most_reynolds / self.curves.least_reynolds).ln() / (POINTS - 1) as f64;
+        let at_rest = f64::from(self.form.nusselt_at_rest());
+        let over = self.curves.amplitudes.iter().enumerate().map(|(j, amplitudes)| {
+            let reynolds = self.curves.least_reynolds * (ratio * j as f64).exp();
+            ((amplitudes[0] - at_rest).max(f64::MIN_POSITIVE) / (0.6 * reynolds.sqrt())).ln()
+        });
+        (over.sum::<f64>() / POINTS as f64).exp()
     }
 
     /// c (q + G0 a) / θ of a reading of surface `i`, as

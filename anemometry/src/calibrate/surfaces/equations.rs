@@ -6,7 +6,8 @@
 //! c = 1 + Z u          Z: N × (N − 1), columns sum to zero, so that the mean of c is one
 //! ```
 //!
-//! Unknowns in this order: coefficients of the amplitudes, u, γ, turns of the mounting. k̄ is the
+//! Unknowns in this order: coefficients of the amplitudes, u, γ, turns of the mounting, and what is
+//! sought of King's law, its exponent m and the square of its yaw factor, κ. k̄ is the
 //! mean of k over the readings, so that γ is about the Nusselt number at rest, Nu_0. The prior
 //! enters as rows of its own: that of the [`family`](super::family), γ Nu_0 (1 ± `QUIESCENT`), u 0
 //! ± `GAIN`, and for a turn about the only axis of a cylinder or of wires 0 ± `TURN`.
@@ -15,7 +16,7 @@ use dr_core::wind::nusselt::ORDERS;
 use dr_core::wind::surface::LocalNusselt;
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::family::{AmplitudeFamily, BasisAt, SIZE};
+use super::family::{AmplitudeFamily, AmplitudeShape, BasisAt, SIZE};
 use super::mounting::Mounting;
 use super::readings::{CheckedReading, CheckedWind, SurfaceGeometry};
 
@@ -26,6 +27,9 @@ pub const QUIESCENT: f64 = 0.3;
 const GAIN: f64 = 0.2;
 /// Standard error of a turn about the only axis before any reading, rad.
 const TURN: f64 = 0.1;
+
+/// U²/v² at least: that of a wind 0.06° from a wire of no yaw.
+const LEAST_SEEN: f64 = 1e-6;
 
 /// A sphere, its readings, and the shape of its amplitudes.
 pub struct SurfaceProblem<'a> {
@@ -39,8 +43,40 @@ pub struct SurfaceProblem<'a> {
     pub quiescent_unit_w_k: Vec<f64>,
     /// Z
     pub spread: DMatrix<f64>,
+    /// What is sought of King's law.
+    pub sought: Vec<LawUnknown>,
     /// A_n(Re) of every wind that is not still.
     at: Vec<Option<BasisAt>>,
+}
+
+/// An unknown of King's law.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LawUnknown {
+    /// m
+    Exponent,
+    /// κ
+    YawSquare,
+}
+
+/// King's law at a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KingLaw {
+    /// m
+    pub exponent: f64,
+    /// κ: square of the yaw factor; of a single element 1.
+    pub yaw_square: f64,
+}
+
+impl KingLaw {
+    /// U²/v² at a cosine to the normal, not quite zero.
+    fn seen_square(&self, cosine: f64) -> f64 {
+        (cosine * cosine + self.yaw_square * (1.0 - cosine * cosine)).max(LEAST_SEEN)
+    }
+
+    /// (U/v)^m at a cosine to the normal.
+    pub fn seen(&self, cosine: f64) -> f64 {
+        self.seen_square(cosine).powf(0.5 * self.exponent)
+    }
 }
 
 /// Weights of readings and of higher orders: the fit goes from coarse to fine.
@@ -69,6 +105,8 @@ pub struct FitPoint {
     pub quiescent: Vec<f64>,
     /// R
     pub mounting: Mounting,
+    /// King's law, where its exponent or yaw factor is sought.
+    pub law: KingLaw,
 }
 
 /// H and b of H δ = b, and what is left over.
@@ -100,7 +138,7 @@ impl<'a> SurfaceProblem<'a> {
         let mean = |i: usize| winds.iter().map(|wind| wind.rows[i].unit_w_k).sum::<f64>() / winds.len() as f64;
         let quiescent_unit_w_k = (0..n).map(mean).collect();
         let at = winds.iter().map(|wind| (!wind.is_quiescent()).then(|| family.at(wind.reynolds))).collect();
-        Self { head, winds, family, quiescent_unit_w_k, spread: sum_zero(n), at }
+        Self { head, winds, family, quiescent_unit_w_k, spread: sum_zero(n), sought: Vec::new(), at }
     }
 
     /// As drawn: no amplitudes beyond quiescent gas yet, gains of one.
@@ -111,6 +149,7 @@ impl<'a> SurfaceProblem<'a> {
             gains: vec![1.0; n],
             quiescent: vec![self.family.at_rest; n],
             mounting: Mounting::drawn(self.head.form(), &self.head.surfaces),
+            law: KingLaw { exponent: 0.5, yaw_square: 1.0 },
         }
     }
 
@@ -129,22 +168,43 @@ impl<'a> SurfaceProblem<'a> {
         self.first_quiescent() + self.head.surfaces.len()
     }
 
+    /// First of what is sought of King's law.
+    pub fn first_of_law(&self, place: &FitPoint) -> usize {
+        self.first_turn() + place.mounting.turns.ncols()
+    }
+
     /// Number of unknowns.
     pub fn unknowns(&self, place: &FitPoint) -> usize {
-        self.first_turn() + place.mounting.turns.ncols()
+        self.first_of_law(place) + self.sought.len()
+    }
+
+    /// Unknowns that are not negative, with their values: γ and κ.
+    pub fn not_negative(&self, place: &FitPoint) -> Vec<(usize, f64)> {
+        let quiescent = place.quiescent.iter().enumerate().map(|(i, still)| (self.first_quiescent() + i, *still));
+        let yaw = self.sought.iter().position(|of| *of == LawUnknown::YawSquare);
+        quiescent.chain(yaw.map(|k| (self.first_of_law(place) + k, place.law.yaw_square))).collect()
     }
 
     /// The point that a step leads to.
     pub fn moved(&self, place: &FitPoint, by: &DVector<f64>) -> FitPoint {
         let by = by.as_slice();
         let (gain, still, turn) = (self.first_gain(), self.first_quiescent(), self.first_turn());
+        let (turns, of_law) = by[turn..].split_at(place.mounting.turns.ncols());
+        let mut law = place.law;
+        for (unknown, by) in self.sought.iter().zip(of_law) {
+            match unknown {
+                LawUnknown::Exponent => law.exponent += by,
+                LawUnknown::YawSquare => law.yaw_square += by,
+            }
+        }
         let gains = &self.spread * DVector::from_column_slice(&by[gain..still]);
         let plus = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + b).collect();
         FitPoint {
             coefficients: plus(&place.coefficients, &by[..gain]),
             gains: plus(&place.gains, gains.as_slice()),
             quiescent: plus(&place.quiescent, &by[still..turn]),
-            mounting: place.mounting.turned(&by[turn..]),
+            mounting: place.mounting.turned(turns),
+            law,
         }
     }
 
@@ -160,6 +220,7 @@ impl<'a> SurfaceProblem<'a> {
                 at,
                 amplitudes: self.family.amplitudes(at, &place.coefficients),
                 from: -place.mounting.inward(wind.towards),
+                speed_ln: (wind.reynolds / self.family.most_reynolds).ln(),
             });
             for (i, CheckedReading { reading, unit_w_k }) in wind.rows.iter().enumerate() {
                 row.fill(0.0);
@@ -167,6 +228,9 @@ impl<'a> SurfaceProblem<'a> {
                 let error_w = reading.variance_w2.sqrt().hypot(stage.blur * unit_w);
                 let weight = unit_w / (place.gains[i] * error_w);
                 let nusselt = match &stream {
+                    Some(stream) if self.family.shape == AmplitudeShape::Law => {
+                        self.law_row(place, i, stream, weight, &mut row)
+                    }
                     Some(stream) => self.wind_row(place, i, stream, weight, &mut row),
                     None => self.family.at_rest,
                 };
@@ -193,7 +257,7 @@ impl<'a> SurfaceProblem<'a> {
 
     /// Nu of surface `i`, and its derivatives to amplitudes and turns, each times `weight`.
     fn wind_row(&self, place: &FitPoint, i: usize, stream: &StreamAt<'_>, weight: f64, row: &mut [f64]) -> f64 {
-        let StreamAt { at, amplitudes, from } = stream;
+        let StreamAt { at, amplitudes, from, .. } = stream;
         let means: [LocalNusselt; ORDERS] =
             self.head.surfaces[i].per_amplitude([from.x as f32, from.y as f32, from.z as f32]);
         for (place, shares) in row.iter_mut().zip(at.iter()) {
@@ -211,6 +275,30 @@ impl<'a> SurfaceProblem<'a> {
             row[self.first_turn() + k] = weight * torque.dot(&place.mounting.turns.fixed_view::<3, 1>(0, k));
         }
         nusselt
+    }
+
+    /// The same by King's law itself.
+    fn law_row(&self, place: &FitPoint, i: usize, stream: &StreamAt<'_>, weight: f64, row: &mut [f64]) -> f64 {
+        let (law, factor) = (place.law, place.coefficients[1]);
+        let axis = Vector3::from(self.head.surfaces[i].axis().map(f64::from));
+        let cosine = axis.dot(&stream.from);
+        let seen_square = law.seen_square(cosine);
+        let power = (law.exponent * stream.speed_ln).exp() * law.seen(cosine);
+        row[0] = weight;
+        row[1] = weight * power;
+        for (k, unknown) in self.sought.iter().enumerate() {
+            let per_unit = match unknown {
+                LawUnknown::Exponent => stream.speed_ln + 0.5 * seen_square.ln(),
+                LawUnknown::YawSquare => 0.5 * law.exponent * (1.0 - cosine * cosine) / seen_square,
+            };
+            row[self.first_of_law(place) + k] = weight * factor * power * per_unit;
+        }
+        let turning = -factor * power * law.exponent * cosine * (1.0 - law.yaw_square) / seen_square;
+        let torque = (turning * axis).cross(&stream.from);
+        for k in 0..place.mounting.turns.ncols() {
+            row[self.first_turn() + k] = weight * torque.dot(&place.mounting.turns.fixed_view::<3, 1>(0, k));
+        }
+        self.family.at_rest + place.coefficients[0] + factor * power
     }
 
     fn prior(&self, place: &FitPoint, stage: FitStage, sums: &mut NormalSums) {
@@ -255,6 +343,8 @@ struct StreamAt<'a> {
     amplitudes: [f64; ORDERS],
     /// w in the head's frame.
     from: Vector3<f64>,
+    /// ln(Re/Re_most)
+    speed_ln: f64,
 }
 
 /// Upper triangle of H, b and the cost.

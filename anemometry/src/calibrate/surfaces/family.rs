@@ -4,12 +4,12 @@
 //! splines     a_n(Re) = β_n + (Re/Re_most)^p_n Σ_k C_nk B_k(ln Re)
 //!             β_0 = Nu at rest, others 0;  p = ½ for n = 0, 1, else 1
 //! King's law  a_0(Re) = β_0 + C_0 + C_1 F_0 (Re/Re_most)^m       a_n(Re) = C_1 F_n (Re/Re_most)^m
-//!             F_n: Σ F_n cos 2nφ = (cos² φ + k² sin² φ)^(m/2)
+//!             F_n: Σ F_n cos 2nφ ≈ (cos² φ + k² sin² φ)^(m/2)
 //! ```
 //!
 //! King's law has an exponent m, wires a yaw factor k besides: the share of the speed along a wire
 //! that counts (F. E. Jørgensen, DISA Information 11 (1971) 31). Both are sought by
-//! [`king`](super::king); for given ones the law is linear like a spline.
+//! [`king`](super::king) beside the coefficients; for given ones the law is linear like a spline.
 //!
 //! The powers make the splines flat: a_0 − 2 and a_1 go between Re^½ and Re in a laminar stream,
 //! the others faster. Towards quiescent gas, below the slowest wind, dr-core's `nusselt` continues
@@ -44,6 +44,8 @@ const SEEN: f32 = 1e-6;
 pub enum AmplitudeShape {
     /// Freely, by a basis over the logarithm of the Reynolds number.
     Spline(Spline),
+    /// By King's law itself, whose exponent and yaw factor are sought.
+    Law,
     /// As one power of it, with the shares of the orders.
     King {
         /// m
@@ -91,11 +93,11 @@ impl AmplitudeFamily {
     pub fn count(&self) -> usize {
         match &self.shape {
             AmplitudeShape::Spline(spline) => self.orders.len() * spline.count(),
-            AmplitudeShape::King { .. } => 2,
+            AmplitudeShape::Law | AmplitudeShape::King { .. } => 2,
         }
     }
 
-    /// The basis at a Reynolds number.
+    /// The basis at a Reynolds number; nothing for the law itself.
     pub fn at(&self, reynolds: f64) -> BasisAt {
         let s = reynolds / self.most_reynolds;
         let mut rows = vec![[0.0; ORDERS]; self.count()];
@@ -107,6 +109,7 @@ impl AmplitudeFamily {
                     row[n] = b * if n < 2 { s.sqrt() } else { s };
                 }
             }
+            AmplitudeShape::Law => {}
             AmplitudeShape::King { exponent, shares } => {
                 rows[0][0] = 1.0;
                 rows[1] = shares.map(|share| share * s.powf(*exponent));

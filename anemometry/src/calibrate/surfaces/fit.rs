@@ -1,7 +1,7 @@
 //! Weighted least squares for all unknowns at once: Gauss–Newton, damped after Levenberg and
 //! Marquardt.
 //!
-//! A step is that of the linear equations with γ ≥ 0 kept exactly (Lawson and Hanson). It is taken
+//! A step is that of the linear equations with γ ≥ 0 and κ ≥ 0 kept exactly (Lawson and Hanson). It is taken
 //! if the cost falls. It ends where an undamped step would lower the cost by less than `SMALL`
 //! standard errors squared. It descends twice: `FIRST` from afar, to find the mounting, and then
 //! with the weights of the readings (`LAST`).
@@ -34,6 +34,9 @@ const LEAST_DAMPING: f64 = 1e-9;
 /// No head is made worse than this.
 const LIKELY_GAINS: std::ops::Range<f64> = 0.2..5.0;
 
+/// Exponents of laminar layers and wires lie about 0.5.
+const LIKELY_EXPONENTS: std::ops::Range<f64> = 0.1..1.3;
+
 /// A solution and how sure it is.
 pub struct SurfaceFit {
     /// The solution.
@@ -51,7 +54,15 @@ pub struct SurfaceFit {
 /// # Errors
 /// If no minimum is found.
 pub fn fit(problem: &SurfaceProblem<'_>) -> Result<SurfaceFit, CalibrateError> {
-    let first = descend(problem, problem.drawn(), FIRST).ok_or(CalibrateError::NoMinimum)?;
+    fit_from(problem, problem.drawn())
+}
+
+/// Fits all unknowns, from a point near the head as drawn.
+///
+/// # Errors
+/// If no minimum is found.
+pub fn fit_from(problem: &SurfaceProblem<'_>, start: FitPoint) -> Result<SurfaceFit, CalibrateError> {
+    let first = descend(problem, start, FIRST).ok_or(CalibrateError::NoMinimum)?;
     let mut place = descend(problem, first, LAST).ok_or(CalibrateError::NoMinimum)?;
     place.mounting = place.mounting.smallest();
     let equations = problem.equations(&place, LAST);
@@ -71,7 +82,10 @@ fn descend(problem: &SurfaceProblem<'_>, mut place: FitPoint, stage: FitStage) -
         let step = step(problem, &place, &here, damping);
         let there = problem.moved(&place, &step);
         let promised = 2.0 * here.b.dot(&step) - (&here.h * &step).dot(&step);
-        let sane = there.gains.iter().all(|c| LIKELY_GAINS.contains(c)) && step.iter().all(|x| x.is_finite());
+        let sane = there.gains.iter().all(|c| LIKELY_GAINS.contains(c))
+            && LIKELY_EXPONENTS.contains(&there.law.exponent)
+            && (0.0..=1.0).contains(&there.law.yaw_square)
+            && step.iter().all(|x| x.is_finite());
         let next = sane.then(|| problem.equations(&there, stage)).filter(|next| next.cost < here.cost);
         // Of readings that scatter by more than they say, a standard error is larger.
         let scatter = (here.cost / here.residuals.len() as f64).max(1.0);
@@ -102,12 +116,11 @@ fn step(problem: &SurfaceProblem<'_>, place: &FitPoint, at: &SurfaceEquations, d
     for k in 0..m {
         h[(k, k)] += damping;
     }
-    let (first, count) = (problem.first_quiescent(), place.quiescent.len());
     let mut now = DVector::zeros(m);
     let mut positive = vec![false; m];
-    for i in 0..count {
-        now[first + i] = place.quiescent[i] / unit[first + i];
-        positive[first + i] = true;
+    for (k, value) in problem.not_negative(place) {
+        now[k] = value / unit[k];
+        positive[k] = true;
     }
     let b = at.b.component_mul(&unit) + &h * &now;
     (nonnegative::solve(&h, &b, &positive) - now).component_mul(&unit)

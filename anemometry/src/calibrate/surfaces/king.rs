@@ -5,31 +5,32 @@
 //! U² = v² (cos² φ + k² sin² φ)        of a wire at the angle φ between the wind and its normal
 //! ```
 //!
-//! For given m and k the law is linear in A and B, which [`fit`] finds beside gains and
-//! mounting. m and k are sought by golden section, their standard errors follow from the curvature
-//! of the cost, larger by what readings scatter beyond their own errors.
-
-use std::ops::Range;
+//! m and κ = k² are unknowns of [`fit`] beside A, B, gains and mounting, with standard uncertainties
+//! as theirs. dr-core has six cosines for the law of a wire, fitted to it at the winds' own angles;
+//! A, B, gains and mounting are then those that fit the readings best by these. Where k is small the
+//! law has a kink at 90°, which six cosines do not follow: the misfit says by how much. (Fitted by
+//! cosines in the first place, a k of 0.1 would come out as 0.116, and of 0 an exponent a fifth too
+//! small.)
 
 use dr_core::wind::HeadForm;
 use dr_core::wind::nusselt::ORDERS;
+use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use super::super::error::CalibrateError;
-use super::equations::SurfaceProblem;
+use super::equations::{FitPoint, KingLaw, LawUnknown, SurfaceProblem};
 use super::family::{AmplitudeFamily, AmplitudeShape};
 use super::fit::{self, SurfaceFit};
 use super::readings::{CheckedWind, SurfaceGeometry};
+use super::speeds::ascending;
+use super::spread::all_angles;
 
-/// Exponents of laminar layers and wires lie about 0.5.
-const EXPONENTS: Range<f64> = 0.15..1.2;
-const YAW_FACTORS: Range<f64> = 0.0..0.95;
-/// To so much the sought are found.
-const CLOSE: f64 = 2e-4;
-/// Distance at which the curvature of the cost is taken.
-const APART: f64 = 0.01;
-/// Steps of the mean over an angle.
-const ANGLES: usize = 360;
+/// k at which the search begins.
+const YAW_FACTOR: f64 = 0.3;
+/// Angles from 0° to 90° at which cosines are held to the law besides those of the winds.
+const ANGLES: usize = 90;
+/// Weight of these together beside the winds'.
+const HELD: f64 = 1e-2;
 
 /// King's law as it was found.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -54,75 +55,57 @@ pub fn king<'a>(
     family: &AmplitudeFamily,
     given: Option<f64>,
 ) -> Result<(SurfaceProblem<'a>, SurfaceFit, FittedKing), CalibrateError> {
-    let problem = |exponent: f64, yaw_factor: f64| {
-        let shares = match head.form() {
-            HeadForm::Wires => shares(exponent, yaw_factor),
-            _ => std::array::from_fn(|n| if n == 0 { 1.0 } else { 0.0 }),
-        };
-        let shape = AmplitudeShape::King { exponent, shares };
-        SurfaceProblem::new(head, winds, AmplitudeFamily { shape, ..family.clone() })
-    };
-    let cost = |exponent: f64, yaw_factor: f64| {
-        fit::fit(&problem(exponent, yaw_factor)).map_or(f64::INFINITY, |fitted| fitted.equations.cost)
-    };
+    let by = |shape| SurfaceProblem::new(head, winds, AmplitudeFamily { shape, ..family.clone() });
     let has_angles = head.form() == HeadForm::Wires;
-    let yaw_at = |exponent: f64| if has_angles { least(YAW_FACTORS, |yaw| cost(exponent, yaw)) } else { 1.0 };
-    let exponent = given.unwrap_or_else(|| least(EXPONENTS, |exponent| cost(exponent, yaw_at(exponent))));
-    let yaw_factor = yaw_at(exponent);
-    let best = problem(exponent, yaw_factor);
-    let fitted = fit::fit(&best)?;
-    let scatter = (fitted.equations.chi_square / fitted.degrees_of_freedom.max(1.0)).max(1.0);
-    let error = |at: f64, cost: &dyn Fn(f64) -> f64| {
-        let curvature = (cost(at + APART) + cost(at - APART) - 2.0 * cost(at)) / (APART * APART);
-        (2.0 * scatter / curvature).sqrt()
-    };
-    let se_exponent = match given {
-        Some(_) => 0.0,
-        None => error(exponent, &|exponent| cost(exponent, yaw_at(exponent))),
+    let mut problem = by(AmplitudeShape::Law);
+    problem.sought.extend(given.is_none().then_some(LawUnknown::Exponent));
+    problem.sought.extend(has_angles.then_some(LawUnknown::YawSquare));
+    let law =
+        KingLaw { exponent: given.unwrap_or(0.5), yaw_square: if has_angles { YAW_FACTOR * YAW_FACTOR } else { 1.0 } };
+    // About what published cylinders and wires have, so that exponent and yaw factor matter.
+    let coefficients = vec![0.0, 0.6 * family.most_reynolds.sqrt()];
+    let fitted = fit::fit_from(&problem, FitPoint { coefficients, law, ..problem.drawn() })?;
+    let law = fitted.place.law;
+    let error = |unknown| {
+        let at = problem.sought.iter().position(|of| *of == unknown)?;
+        let at = problem.first_of_law(&fitted.place) + at;
+        Some(fitted.covariance[(at, at)].sqrt())
     };
     let found = FittedKing {
-        exponent,
-        se_exponent,
-        yaw_factor: has_angles.then_some(yaw_factor),
-        se_yaw_factor: has_angles.then(|| error(yaw_factor, &|yaw| cost(exponent, yaw))),
+        exponent: law.exponent,
+        se_exponent: error(LawUnknown::Exponent).unwrap_or(0.0),
+        yaw_factor: has_angles.then_some(law.yaw_square.sqrt()),
+        se_yaw_factor: error(LawUnknown::YawSquare).map(|error| yaw_error(law.yaw_square, error)),
     };
+    let shares = match has_angles {
+        true => shares(&law, &all_angles(head, &ascending(winds))).ok_or(CalibrateError::NoMinimum)?,
+        false => std::array::from_fn(|n| if n == 0 { 1.0 } else { 0.0 }),
+    };
+    let best = by(AmplitudeShape::King { exponent: law.exponent, shares });
+    let fitted = fit::fit(&best)?;
     Ok((best, fitted, found))
 }
 
-/// Where a function with one minimum has it, by golden section.
-fn least(range: Range<f64>, of: impl Fn(f64) -> f64) -> f64 {
-    let golden = 0.5 * (5_f64.sqrt() - 1.0);
-    let (mut low, mut high) = (range.start, range.end);
-    let at = |low: f64, high: f64| (high - golden * (high - low), low + golden * (high - low));
-    let (mut a, mut b) = at(low, high);
-    let (mut of_a, mut of_b) = (of(a), of(b));
-    while high - low > CLOSE {
-        if of_a <= of_b {
-            (high, b, of_b) = (b, a, of_a);
-            a = at(low, high).0;
-            of_a = of(a);
-        } else {
-            (low, a, of_a) = (a, b, of_b);
-            b = at(low, high).1;
-            of_b = of(b);
-        }
-    }
-    0.5 * (low + high)
+/// Standard uncertainty of k by that of its square: half of what k changes by as the square changes
+/// by its own up and down, which also holds where k is not known to be more than 0.
+fn yaw_error(yaw_square: f64, error: f64) -> f64 {
+    0.5 * ((yaw_square + error).sqrt() - (yaw_square - error).max(0.0).sqrt())
 }
 
-/// F_n: the cosine series in 2φ of (cos² φ + k² sin² φ)^(m/2).
-fn shares(exponent: f64, yaw_factor: f64) -> [f64; ORDERS] {
-    std::array::from_fn(|n| {
-        let sum: f64 = (0..ANGLES)
-            .map(|j| {
-                let angle = std::f64::consts::PI * (j as f64 + 0.5) / ANGLES as f64;
-                let (sine, cosine) = angle.sin_cos();
-                let seen = (cosine * cosine + yaw_factor * yaw_factor * sine * sine).powf(0.5 * exponent);
-                seen * (2.0 * n as f64 * angle).cos()
-            })
-            .sum();
-        sum / ANGLES as f64 * if n == 0 { 1.0 } else { 2.0 }
-    })
+/// F_n: the cosine series in 2φ that is nearest to (cos² φ + k² sin² φ)^(m/2) at these angles,
+/// degrees; elsewhere it is held to the law by a little weight.
+fn shares(law: &KingLaw, angles_deg: &[f64]) -> Option<[f64; ORDERS]> {
+    let everywhere = (0..ANGLES).map(|j| (90.0 * (j as f64 + 0.5) / ANGLES as f64, HELD / ANGLES as f64));
+    let of_winds = angles_deg.iter().map(|&angle| (angle, 1.0 / angles_deg.len() as f64));
+    let (mut h, mut b) = (DMatrix::zeros(ORDERS, ORDERS), DVector::zeros(ORDERS));
+    for (degrees, weight) in everywhere.chain(of_winds) {
+        let angle = degrees.to_radians();
+        let cosines = DVector::from_fn(ORDERS, |n, _| (2.0 * n as f64 * angle).cos());
+        b += weight * law.seen(angle.cos()) * &cosines;
+        h += weight * &cosines * cosines.transpose();
+    }
+    let found = h.cholesky()?.solve(&b);
+    Some(std::array::from_fn(|n| found[n]))
 }
 
 #[cfg(test)]
@@ -130,20 +113,27 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_series_of_a_wire_is_its_law() {
-        let (exponent, yaw_factor) = (0.45, 0.3);
-        let shares = shares(exponent, yaw_factor);
-        for degrees in [0.0, 20.0, 45.0, 70.0, 90.0_f64] {
-            let angle = degrees.to_radians();
-            let law = (angle.cos().powi(2) + (yaw_factor * angle.sin()).powi(2)).powf(0.5 * exponent);
-            let series: f64 = (0..ORDERS).map(|n| shares[n] * (2.0 * n as f64 * angle).cos()).sum();
-            assert!((series / law - 1.0).abs() < 0.02, "{degrees}°: {series} for {law}");
-        }
+    fn the_series_of_a_wire_is_its_law_at_the_angles_of_the_winds() {
+        let off = |yaw_factor: f64, most_deg: u32| {
+            let law = KingLaw { exponent: 0.45, yaw_square: yaw_factor * yaw_factor };
+            let angles: Vec<f64> = (0..=most_deg).map(f64::from).collect();
+            let shares = shares(&law, &angles).unwrap();
+            let error = |degrees: &f64| {
+                let angle = degrees.to_radians();
+                let series: f64 =
+                    shares.iter().enumerate().map(|(n, share)| share * (2.0 * n as f64 * angle).cos()).sum();
+                (series / law.seen(angle.cos()) - 1.0).abs()
+            };
+            angles.iter().map(error).fold(0.0, f64::max)
+        };
+        assert!(off(0.3, 90) < 0.02 && off(0.3, 75) < 2e-3, "{} {}", off(0.3, 90), off(0.3, 75));
+        // A wire of no yaw has a kink.
+        assert!(off(0.0, 75) < 0.01 && off(0.1, 90) > 0.02, "{} {}", off(0.0, 75), off(0.1, 90));
     }
 
     #[test]
-    fn the_least_of_a_parabola_is_its_vertex() {
-        assert!((least(0.0..1.0, |x| (x - 0.37).powi(2)) - 0.37).abs() < CLOSE);
-        assert!(least(0.0..1.0, |x| x) < CLOSE);
+    fn a_yaw_factor_that_is_not_known_to_be_more_than_zero_has_an_error() {
+        assert!((yaw_error(0.04, 4e-4) - 1e-3).abs() < 1e-5);
+        assert!((yaw_error(0.0, 4e-4) - 0.01).abs() < 1e-12);
     }
 }

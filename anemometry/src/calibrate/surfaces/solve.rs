@@ -25,6 +25,10 @@ pub fn calibrate(head: &DrawnSurfaces, steady: &[SteadyWind]) -> Result<SurfaceC
     if !lacking.is_empty() {
         return Err(CalibrateError::Spread(lacking));
     }
+    let mirrored = spread::mirrored(&ready, &speeds::ascending(&winds));
+    if !mirrored.is_empty() {
+        return Err(CalibrateError::Mirrored { labels: mirrored });
+    }
     solve(head, steady)
 }
 

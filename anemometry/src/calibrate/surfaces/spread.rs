@@ -172,11 +172,17 @@ fn angles(head: &SurfaceGeometry<'_>, moving: &[&CheckedWind], class: &ReynoldsR
 
 /// Within so many degrees two angles are one.
 const SAME_ANGLE: f64 = 5.0;
+/// Of the angle between normals that are across each other, or along: half of what dr-core has for
+/// twice the angle.
+const LEAST_SINE: f64 = 0.05;
+/// So far, in degrees, a wind may lie beyond where its mirror image begins: a mounting is off by so
+/// much.
+const BEYOND: f64 = 5.0;
 /// Between the angles of the winds to wires, degrees.
 const LEAST_ANGLES: f64 = 30.0;
 
 /// Angles of all winds to the surfaces, ascending, degrees; both sides of a wire are alike.
-fn all_angles(head: &SurfaceGeometry<'_>, moving: &[&CheckedWind]) -> Vec<f64> {
+pub fn all_angles(head: &SurfaceGeometry<'_>, moving: &[&CheckedWind]) -> Vec<f64> {
     let of_surfaces = head.surfaces.iter().flat_map(|surface| {
         let axis = Vector3::from(surface.axis().map(f64::from));
         moving.iter().map(move |wind| Vector3::from(wind.towards).angle(&-axis).to_degrees())
@@ -211,6 +217,27 @@ fn wires(head: &SurfaceGeometry<'_>, moving: &[&CheckedWind]) -> Option<String> 
              at angles at least {LEAST_ANGLES:.0}° apart are missing"
         )
     })
+}
+
+/// Labels of winds that come to wires from where they see the same as from in front: from behind,
+/// and with wires across each other from outside the quadrant that their normals enclose.
+pub fn mirrored(head: &SurfaceGeometry<'_>, moving: &[&CheckedWind]) -> Vec<String> {
+    if head.form() != HeadForm::Wires {
+        return Vec::new();
+    }
+    let axes: Vec<Vector3<f64>> = head.surfaces.iter().map(|of| Vector3::from(of.axis().map(f64::from))).collect();
+    let facing: Vector3<f64> = axes.iter().sum();
+    let corner = Vector3::from(head.surfaces[0].corner().map(f64::from));
+    let sides = [axes[0], corner.cross(&axes[0])];
+    // At twice its angle a normal is along the first one, or against it.
+    let is_across = |axis: &Vector3<f64>| sides.iter().any(|side| axis.dot(side).abs() < LEAST_SINE);
+    let fronts: Vec<Vector3<f64>> = match axes.iter().all(is_across) {
+        true => sides.iter().map(|side| side * side.dot(&facing).signum()).collect(),
+        false => vec![facing],
+    };
+    let beyond = -BEYOND.to_radians().sin();
+    let is_in_front = |from: Vector3<f64>| fronts.iter().all(|front| from.dot(front) >= beyond * front.norm());
+    moving.iter().filter(|wind| !is_in_front(-Vector3::from(wind.towards))).map(|wind| wind.label.clone()).collect()
 }
 
 fn some_surface(head: &SurfaceGeometry<'_>, moving: &[&CheckedWind], class: &ReynoldsRange) -> Vec<String> {
