@@ -19,10 +19,10 @@
 //! gains. Nor do they where the error runs away at a small duty cycle: gains that are right for a
 //! reading at the high level in every other tick are no longer so where the next one comes after 16
 //! of them. Three films on a tube run away from every fourth, 10⁴ times the steady E and more; the
-//! sectors of sphere B stay within 5, hemispheres of sphere A within 12. The error of an observer does not depend on the heating that it
-//! knows of, and so there is none. Four dice on a card, which heat each other by a fifth of what
-//! they heat themselves within a second, are unstable with quick gains; the sectors of a sphere are
-//! not.
+//! sectors of sphere B stay within 5, hemispheres of sphere A within 12. The error of an observer
+//! does not depend on the heating that it knows of, and so there is none. Four dice on a card, which
+//! heat each other by a fifth of what they heat themselves within a second, are unstable with quick
+//! gains; the sectors of a sphere are not.
 //!
 //! Limits: the network is taken for the truth. Where the identification is wrong, quick gains may
 //! do harm that is not seen here.
@@ -175,7 +175,10 @@ pub fn worse_when_quick<'a>(
     for (levels, most) in [(ReadLevels::Turns, WORSE)].into_iter().chain(seldom) {
         let (Some(by_steady), Some(by_quick)) = (errors(steady, levels), errors(quick, levels)) else { continue };
         for (worse, (quick, steady)) in worse.iter_mut().zip(by_quick.iter().zip(by_steady)) {
-            *worse |= quick.is_nan() || *quick > most * steady;
+            *worse = quick.is_nan() || *quick > most * steady;
+        }
+        if worse.contains(&true) {
+            break;
         }
     }
     let own = network.own.iter().filter(|own| own.surface.is_some() && worse[own.element]);

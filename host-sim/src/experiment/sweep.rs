@@ -53,7 +53,7 @@ pub(super) struct SweepTable {
 
 /// In which the winds lie.
 #[derive(Deserialize, Clone, Copy, PartialEq)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "a plane is `level`, `upright` or a normal [x, y, z]")]
 enum SweepPlane {
     Named(NamedPlane),
     /// Across a normal of any length.
@@ -95,7 +95,9 @@ pub(super) fn entries(grid: &TickGrid, table: &SweepTable, seed: u64) -> Result<
     if let Some(SweepPlane::Across(normal)) = table.plane
         && !(length(normal).is_finite() && length(normal) > 0.0)
     {
-        return Err(source.refuse("sweep.plane", "is a normal without a direction: [0.0, 0.0, 1.0] is the level plane's"));
+        return Err(
+            source.refuse("sweep.plane", "is a normal without a direction: [0.0, 0.0, 1.0] is the level plane's")
+        );
     }
     source.within("sweep.facing_azimuth_deg", table.facing_azimuth_deg, -360.0..=360.0, "°")?;
     let hold = grid.whole_ticks("sweep.hold_s", table.hold_s)?;
@@ -222,7 +224,7 @@ mod tests {
             ("most_m_s = 13.0", "most_m_s = 0.5", "`sweep.most_m_s` is 0.5 m/s: it must lie between 1 and 100 m/s"),
             ("hold_s = 1.0", "hold_s = 0.0001", "`sweep.hold_s`"),
             ("hold_s = 1.0", "hold_s = 1.0\nstem = 1.0", "unknown key `stem`"),
-            ("hold_s = 1.0", "hold_s = 1.0\nplane = \"slanted\"", "slanted"),
+            ("hold_s = 1.0", "hold_s = 1.0\nplane = \"slanted\"", "a plane is `level`, `upright` or a normal"),
         ] {
             let error = with(&good.replace(from, to)).unwrap_err();
             assert!(error.contains(expected), "{error}");
@@ -246,7 +248,8 @@ mod tests {
         for of in [(false, false), (false, true), (true, false), (true, true)] {
             assert!(tilted.iter().filter(|wind| quadrant(wind) == of).count() > 30);
         }
-        let none = with("winds = 2\nleast_m_s = 1.0\nmost_m_s = 2.0\nhold_s = 0.1\nplane = [0.0, 0.0, 0.0]").unwrap_err();
+        let none =
+            with("winds = 2\nleast_m_s = 1.0\nmost_m_s = 2.0\nhold_s = 0.1\nplane = [0.0, 0.0, 0.0]").unwrap_err();
         assert!(none.contains("sweep.plane"), "{none}");
     }
 
