@@ -154,13 +154,13 @@ fn an_overheat_that_cannot_be_is_answered_with_those_that_can() {
         (
             OVERHEAT_K,
             ("current_high_a = 0.03", "current_high_a = 0.012"),
-            "`film` needs 45 mW in quiescent gas, more than its high level gives, 17.3 mW; 0.65 to 10.7 K are possible",
+            "`film` needs 45 mW in quiescent gas, more than its high level gives, 17.3 mW; 0.65 to 10 K are possible",
         ),
         (
             OVERHEAT_K,
             ("temperature_max_c = 70.0", "temperature_max_c = 70.0\nsustained_power_w = 0.0302\nenergy_j = 1.0"),
             "`film` needs 45 mW in quiescent gas, more than its `sustained_power_w` of 0.0302 W: it trips once `energy_j` is used up; \
-             0.65 to 20.1 K are possible",
+             0.65 to 20 K are possible",
         ),
         (
             OVERHEAT_K,
