@@ -37,8 +37,8 @@ pub struct NewExperiments {
     pub is_part: bool,
     /// Why the head cannot be calibrated so.
     pub uncalibrated: Option<String>,
-    /// What to know of the winds, a sentence each.
-    pub notes: Vec<String>,
+    /// What becomes of winds that are too strong.
+    pub too_strong: Option<String>,
     /// Quiescent gas before the first wind, s.
     pub still_s: f64,
 }
@@ -165,7 +165,7 @@ pub fn experiments(head: &Head, overheat_k: f64, count: u32) -> Result<NewExperi
         identified,
         is_part: held.len() < drivable.count(),
         uncalibrated: super::limits::uncalibrated(head, &report),
-        notes: super::limits::notes(head, &report, MOST_M_S),
+        too_strong: super::limits::too_strong(head, &report, MOST_M_S),
         still_s: warm_s,
     })
 }

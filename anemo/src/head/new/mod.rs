@@ -90,7 +90,7 @@ pub fn begin(arguments: &NewArguments) -> Result<(), Failure> {
     crate::output::positive(&[("--overheat", Some(overheat_k))])?;
     let head = head(arguments, name)?;
     let made = write(folder, &head, overheat_k, WINDS)?;
-    made.notes.iter().chain(&made.uncalibrated).for_each(|note| crate::output::warn(note));
+    made.too_strong.iter().chain(&made.uncalibrated).for_each(|note| crate::output::warn(note));
     crate::output::print(&next(Path::display(folder), &made, overheat_k))
 }
 
