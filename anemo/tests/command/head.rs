@@ -117,7 +117,7 @@ fn what_would_come_to_nothing_is_refused_with_the_limit_and_nothing_is_written()
     let (sphere, bench) = (project_head("sphere-a.toml"), project_head("bench-cylinder.toml"));
     let shorted = "`film1` has 790.55 Ω at -53.15 °C, below its `resistance_min_ohm` of 850 Ω";
     for (arguments, expected) in [
-        (&["--from", &rems, "--overheat", "60"][..], "--overheat is 60: `card"),
+        (&["--from", &rems, "--overheat", "60"][..], "52 mW; 3.1 to 9.6 and 11 to 33 K are possible"),
         (&["--from", &pathfinder, "--overheat", "60"], "--overheat is 60: `wire"),
         (&["--kind", "wire", "--overheat", "1000"], "--overheat is 1000: `film` would have 1020 °C"),
         (&["--from", &sphere, "--overheat", "60"], "more than its `sustained_power_w` of 0.05 W"),

@@ -45,14 +45,14 @@ pub enum ElementFault {
 
 /// A head that cannot be operated at its overheat.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("`{element}` {fault}{}", words(*possible_k))]
+#[error("`{element}` {fault}{}", words(possible_k))]
 pub struct OverheatError {
     /// Name of the element.
     pub element: String,
     /// What is wrong with it.
     pub fault: ElementFault,
-    /// The overheats that are possible, K, from the least to the greatest.
-    pub possible_k: Option<[f64; 2]>,
+    /// The overheats that are possible, K: ranges from the least to the greatest.
+    pub possible_k: Vec<[f64; 2]>,
 }
 
 impl ElementFault {
@@ -106,17 +106,18 @@ impl OverheatError {
     }
 }
 
-/// The widest range of overheats of two digits that work, from 0.1 K.
-fn possible(works: &mut dyn FnMut(f64) -> bool) -> Option<[f64; 2]> {
+/// Ranges of overheats of two digits that work, from 0.1 K.
+fn possible(works: &mut dyn FnMut(f64) -> bool) -> Vec<[f64; 2]> {
     let digits = |decade: f64| (10..100).map(move |digits| f64::from(digits) * decade / 100.0);
     let tried: Vec<(f64, bool)> =
         DECADES_K.into_iter().flat_map(digits).map(|overheat_k| (overheat_k, works(overheat_k))).collect();
     let runs = tried.chunk_by(|a, b| a.1 == b.1).filter(|run| run[0].1);
-    runs.max_by_key(|run| run.len()).map(|run| [run[0].0, run[run.len() - 1].0])
+    runs.map(|run| [run[0].0, run[run.len() - 1].0]).collect()
 }
 
-fn words(possible_k: Option<[f64; 2]>) -> String {
-    possible_k.map_or(String::new(), |[least, most]| format!("; {least} to {most} K are possible"))
+fn words(possible_k: &[[f64; 2]]) -> String {
+    let ranges: Vec<String> = possible_k.iter().map(|[least, most]| format!("{least} to {most}")).collect();
+    if ranges.is_empty() { String::new() } else { format!("; {} K are possible", ranges.join(" and ")) }
 }
 
 fn milli(power_w: f64) -> String {
