@@ -42,6 +42,11 @@ impl HeadElement {
         self.normal.filter(|_| !self.only_senses)
     }
 
+    /// Whether a head may drive it: it neither only senses nor measures the gas.
+    pub fn may_be_driven(&self) -> bool {
+        !self.only_senses && self.name != recording::REFERENCE
+    }
+
     /// Whether it is such a surface.
     pub fn is_surface(&self) -> bool {
         self.surface_normal().is_some()

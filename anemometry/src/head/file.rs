@@ -182,6 +182,14 @@ mod tests {
     }
 
     #[test]
+    fn another_name_changes_one_word_of_the_file() {
+        let head = Head::from_source(sphere_b()).unwrap();
+        let named = head.named("ball").unwrap();
+        assert_eq!((head.name.as_str(), named.name.as_str()), ("sphere-b", "ball"));
+        assert_eq!(named.source.text, head.source.text.replacen("\"sphere-b\"", "\"ball\"", 1));
+    }
+
+    #[test]
     fn sphere_b_is_read_with_the_numbers_of_the_prototype() {
         let head = Head::from_source(sphere_b()).unwrap();
         assert_eq!(head.names(), ["sector1", "sector2", "sector3", "sector4", "core1", "core2"]);

@@ -1,12 +1,26 @@
-//! A head with other values of the numbers that nobody has published.
+//! A head with another name, or with other values of the numbers that nobody has published.
 
 use toml::Value;
+use toml::de::DeTable;
 
 use super::body::unknown::place;
 use super::file::Head;
 use recording::toml_file::{FileError, TomlSource};
 
 impl Head {
+    /// The same head by another name, its file otherwise to the letter.
+    ///
+    /// # Errors
+    /// If it cannot be read again.
+    pub fn named(&self, name: &str) -> Result<Head, FileError> {
+        let mut text = self.source.text.clone();
+        let place = DeTable::parse(&text).ok().and_then(|of| Some(of.get_ref().get("name")?.span()));
+        if let Some(place) = place {
+            text.replace_range(place, &Value::from(name).to_string());
+        }
+        Head::from_source(TomlSource { path: self.source.path.clone(), text })
+    }
+
     /// The same head with other values of its unknown numbers, in their order.
     ///
     /// # Errors

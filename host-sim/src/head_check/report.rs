@@ -5,12 +5,13 @@ use std::fmt;
 use anemometry::head::Head;
 use anemometry::head::body::{Body, BodyLink};
 use dr_core::sensor::Level;
-use recording::text::brief;
+use recording::text::{brief, count};
 use recording::toml_file::FileError;
 use serde::Serialize;
 
 use super::conditions::{GivenConditions, HeadConditions};
 use super::element::ElementCheck;
+use super::fault::OverheatError;
 use super::warnings::warnings;
 use super::winds::WindRange;
 use crate::sensor::{Construction, construction_of};
@@ -41,6 +42,9 @@ pub struct HeadCheckReport {
     pub range: WindRange,
     /// What would go wrong.
     pub warnings: Vec<String>,
+    /// Why the head cannot be operated at all: warnings name it, too.
+    #[serde(skip)]
+    pub fault: Option<OverheatError>,
 }
 
 /// Size of a network.
@@ -75,6 +79,7 @@ pub fn check(
     let gains = survey.own_gains_k_per_w([0.0; 3]);
     let gains_in_wind = survey.own_gains_k_per_w(USUAL_M_S);
     let range = WindRange::of(&mut survey, &head.elements, &conditions);
+    let fault = OverheatError::of(&mut survey, head, &conditions);
     let capacities_j_k: Vec<f64> = (0..head.elements.len()).map(|i| survey.element_capacity_j_k(i)).collect();
     let element = |(i, of): (usize, &anemometry::head::HeadElement)| ElementCheck {
         name: of.name.clone(),
@@ -90,7 +95,8 @@ pub fn check(
         network: size(construction.bodies()),
         time_constants_s: survey.time_constants_s([0.0; 3]),
         time_constants_in_wind_s: survey.time_constants_s(USUAL_M_S),
-        warnings: warnings(head, &conditions, &elements, &range),
+        warnings: warnings(head, &conditions, &elements, &range, fault.as_ref()),
+        fault,
         elements,
         conditions,
         range,
@@ -124,7 +130,9 @@ impl fmt::Display for HeadCheckReport {
             brief(1e6 * noise_v_rms)
         )?;
         let NetworkSize { nodes, links, surfaces } = self.network;
-        writeln!(f, "\nnetwork        {nodes} nodes, {links} links, {surfaces} surfaces in the wind")?;
+        let [nodes, links, surfaces] =
+            [(nodes, "node"), (links, "link"), (surfaces, "surface")].map(|(number, thing)| count(number, thing));
+        writeln!(f, "\nnetwork        {nodes}, {links}, {surfaces} in the wind")?;
         writeln!(f, "time constants {} in quiescent gas", shown(&self.time_constants_s))?;
         writeln!(f, "               {} at 3 m/s", shown(&self.time_constants_in_wind_s))?;
         self.write_elements(f)?;

@@ -34,13 +34,17 @@ surfaces = [ { name = \"film\" } ]
 ";
 
 fn checked(changes: &[(&str, &str)]) -> HeadCheckReport {
+    checked_at(OVERHEAT_K, changes)
+}
+
+fn checked_at(overheat_k: f64, changes: &[(&str, &str)]) -> HeadCheckReport {
     let mut text = TEXT.to_owned();
     for (from, to) in changes {
         assert!(text.contains(from), "{from}");
         text = text.replacen(from, to, 1);
     }
     let head = Head::from_source(TomlSource { path: "h.toml".into(), text }).unwrap();
-    check(&head, GivenConditions::default(), |conditions| conditions.overheat_k = OVERHEAT_K).unwrap()
+    check(&head, GivenConditions::default(), |conditions| conditions.overheat_k = overheat_k).unwrap()
 }
 
 #[test]
@@ -60,7 +64,8 @@ fn powers_gains_and_time_constants_are_those_by_hand() {
     // below that is within its 12 %.
     let greatest = report.range.greatest_m_s.unwrap();
     assert!((4.41 / 1.123..=4.41).contains(&greatest) && report.range.limited_by == Some(0), "{greatest}");
-    assert_eq!(report.warnings, Vec::<String>::new());
+    assert_eq!((report.warnings.as_slice(), &report.fault), (&[][..], &None));
+    assert!(report.to_string().contains(" 1 node, 1 link, 1 surface in the wind\n"), "{report}");
 }
 
 #[test]
@@ -101,12 +106,27 @@ fn what_would_go_wrong_is_named_with_its_numbers() {
             // 108 − 1.08 mW for 10 ms.
             "film: a single tick of 10 ms at the high level heats it by 8.2 K",
         ),
-        ("current_low_a = 0.003", "current_low_a = 0.025", "needs less in quiescent gas than its low level gives"),
-        ("current_high_a = 0.03", "current_high_a = 0.012", "no element can be held 30 K above this gas"),
+        (
+            "current_low_a = 0.003",
+            "current_low_a = 0.025",
+            "film: needs 45 mW in quiescent gas, less than its low level gives, 75 mW",
+        ),
+        (
+            "current_high_a = 0.03",
+            "current_high_a = 0.012",
+            "no element can be held 30 K above this gas: `film` needs 45 mW in quiescent gas, more than its high level gives, 17.3 mW",
+        ),
+        (
+            "resistance_min_ohm = 50.0",
+            "resistance_min_ohm = 110.0",
+            // The set-point has 120 Ω.
+            "film: has 108 Ω at 20 °C, below its `resistance_min_ohm` of 110 Ω: it trips as shorted",
+        ),
         (
             "temperature_max_c = 70.0",
             "temperature_max_c = 70.0\nsustained_power_w = 0.05\nenergy_j = 1.0",
-            "`sustained_power_w` is 0.05 W",
+            // 1.5 + √U = 50/30 mW/K at 0.028 m/s, and the next step of the survey.
+            "`sustained_power_w` is 0.05 W, and 0.028 m/s takes up to 0.05 W",
         ),
     ] {
         let report = checked(&[(from, to)]);
@@ -114,6 +134,45 @@ fn what_would_go_wrong_is_named_with_its_numbers() {
         assert!(found, "{to}: {:?}", report.warnings);
         assert!(report.to_string().contains("\nwarning: "));
     }
+}
+
+#[test]
+fn an_overheat_that_cannot_be_is_answered_with_those_that_can() {
+    // 1.5 mW/K in quiescent gas; of the levels 0.9 and 90 mW at 0 °C, 0.4 % more a kelvin.
+    for (overheat_k, change, expected) in [
+        (
+            100.0,
+            ("name", "name"),
+            "`film` would have 120 °C, and by its limits it trips above 70 °C; 0.65 to 50 K are possible",
+        ),
+        (
+            0.3,
+            ("name", "name"),
+            "`film` needs 0.45 mW in quiescent gas, less than its low level gives, 0.973 mW: it stays above the set-point there; \
+             0.65 to 50 K are possible",
+        ),
+        (
+            OVERHEAT_K,
+            ("current_high_a = 0.03", "current_high_a = 0.012"),
+            "`film` needs 45 mW in quiescent gas, more than its high level gives, 17.3 mW; 0.65 to 10 K are possible",
+        ),
+        (
+            OVERHEAT_K,
+            ("temperature_max_c = 70.0", "temperature_max_c = 70.0\nsustained_power_w = 0.0302\nenergy_j = 1.0"),
+            "`film` needs 45 mW in quiescent gas, more than its `sustained_power_w` of 0.0302 W: it trips once `energy_j` is used up; \
+             0.65 to 20 K are possible",
+        ),
+        (
+            OVERHEAT_K,
+            ("temperature_max_c = 70.0", "temperature_max_c = 70.0\nonly_senses = true"),
+            "`film` only senses, as all others do",
+        ),
+    ] {
+        let report = checked_at(overheat_k, &[change]);
+        assert_eq!(report.fault.map(|fault| fault.to_string()).as_deref(), Some(expected));
+    }
+    // What the second sentence names.
+    assert_eq!((checked_at(0.65, &[]).fault, checked_at(50.0, &[]).fault), (None, None));
 }
 
 #[test]

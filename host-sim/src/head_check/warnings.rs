@@ -1,10 +1,10 @@
 //! What would go wrong with a head at its set-point: a sentence each.
 
 use anemometry::head::{Head, HeadElement};
-use dr_core::sensor::Level;
 
 use super::conditions::HeadConditions;
 use super::element::ElementCheck;
+use super::fault::{ElementFault, OverheatError};
 use super::winds::WindRange;
 use recording::text::{brief, short};
 
@@ -16,14 +16,19 @@ const COARSE_SHARE: f64 = 0.2;
 type Sentences = Vec<(String, Vec<String>)>;
 
 /// All of it.
-pub fn warnings(head: &Head, conditions: &HeadConditions, checks: &[ElementCheck], range: &WindRange) -> Vec<String> {
+pub fn warnings(
+    head: &Head,
+    conditions: &HeadConditions,
+    checks: &[ElementCheck],
+    range: &WindRange,
+    fault: Option<&OverheatError>,
+) -> Vec<String> {
     let mut sentences: Sentences = Vec::new();
     for (i, element) in head.elements.iter().enumerate() {
         of_element(head, element, range.held[i], conditions, &mut sentences);
-        let low_w = element.power_w(conditions.set_point_c(), Level::Low);
-        if range.held[i] && range.at_rest_w[i] < low_w {
-            let what = "needs less in quiescent gas than its low level gives: it stays above the set-point there";
-            add(&mut sentences, element, what.to_owned());
+        let warm = ElementFault::warm(element, range.at_rest_w[i], conditions.set_point_c());
+        if let Some(warm) = warm.filter(|_| range.held[i]) {
+            add(&mut sentences, element, warm.to_string());
         }
         let rise_k = checks[i].tick_rise_k(conditions.sample_period_s);
         if range.held[i] && rise_k > COARSE_K.min(COARSE_SHARE * conditions.overheat_k) {
@@ -34,26 +39,23 @@ pub fn warnings(head: &Head, conditions: &HeadConditions, checks: &[ElementCheck
             add(&mut sentences, element, what);
         }
     }
-    if let Some(strongest) = range.winds.last() {
-        for (i, element) in head.elements.iter().enumerate().filter(|(i, _)| range.held[*i]) {
-            let needed_w = strongest.power_w[i][1];
-            let Some(energy) = element.config.limits.energy else { continue };
-            if f64::from(energy.sustained_power_w) < needed_w {
-                let what = format!(
-                    "`sustained_power_w` is {} W, and {} m/s takes up to {} W: it trips there once `energy_j` is used up",
-                    energy.sustained_power_w,
-                    short(strongest.speed_m_s, 2),
-                    short(needed_w, 2)
-                );
-                add(&mut sentences, element, what);
-            }
-        }
+    for (i, element) in head.elements.iter().enumerate().filter(|(i, _)| range.held[*i]) {
+        let Some(energy) = element.config.limits.energy else { continue };
+        let Some(needs) = range.first_above(i, f64::from(energy.sustained_power_w)) else { continue };
+        let what = format!(
+            "`sustained_power_w` is {} W, and {} m/s takes up to {} W: it trips there once `energy_j` is used up",
+            energy.sustained_power_w,
+            short(needs.speed_m_s, 2),
+            short(needs.power_w[i][1], 2)
+        );
+        add(&mut sentences, element, what);
     }
     let mut all: Vec<String> =
         sentences.into_iter().map(|(what, names)| format!("{}: {what}", names.join(", "))).collect();
     if !range.held.contains(&true) {
         let overheat_k = conditions.overheat_k;
-        all.push(format!("no element can be held {overheat_k} K above this gas: more current, or less overheat"));
+        let why = fault.map(|fault| format!(": {fault}")).unwrap_or_default();
+        all.push(format!("no element can be held {overheat_k} K above this gas{why}"));
     }
     all
 }
@@ -80,12 +82,9 @@ fn of_element(head: &Head, element: &HeadElement, held: bool, conditions: &HeadC
             brief(resistance_ohm)
         ));
     }
-    if resistance_ohm < f64::from(limits.resistance_min_ohm) {
-        let least = limits.resistance_min_ohm;
-        say(format!(
-            "has {} Ω {at}, below its `resistance_min_ohm` of {least} Ω: it trips as shorted",
-            brief(resistance_ohm)
-        ));
+    // Before it is heated it is as cold as the gas.
+    if let Some(shorted) = ElementFault::shorted(element, conditions.temperature_c) {
+        say(shorted.to_string());
     }
     if hottest_c > f64::from(limits.temperature_max_c) {
         say(format!(

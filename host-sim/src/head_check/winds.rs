@@ -18,6 +18,7 @@ use dr_core::sensor::Level;
 use serde::Serialize;
 
 use super::conditions::HeadConditions;
+use super::rest::AtRest;
 use crate::sensor::BodySurvey;
 
 /// Averaged over, s.
@@ -76,19 +77,7 @@ impl WindRange {
     pub fn of(survey: &mut BodySurvey, elements: &[HeadElement], conditions: &HeadConditions) -> Self {
         let set_point_c = conditions.set_point_c();
         let high_w: Vec<f64> = elements.iter().map(|of| of.power_w(set_point_c, Level::High)).collect();
-        // Whoever cannot be held in quiescent gas only senses; the others then need a little more.
-        let mut held: Vec<bool> = elements.iter().map(|of| !of.only_senses).collect();
-        let mut at_rest_w = Vec::new();
-        for _ in 0..=elements.len() {
-            let held_c: Vec<Option<f64>> = held.iter().map(|held| held.then_some(set_point_c)).collect();
-            at_rest_w = survey.operating_point([0.0; 3], &held_c).power_w;
-            let too_much = |i: &usize| held[*i] && at_rest_w[*i] > high_w[*i];
-            let worst = |a: &usize, b: &usize| (at_rest_w[*a] / high_w[*a]).total_cmp(&(at_rest_w[*b] / high_w[*b]));
-            match (0..elements.len()).filter(too_much).max_by(worst) {
-                Some(senses) => held[senses] = false,
-                None => break,
-            }
-        }
+        let AtRest { held, power_w: at_rest_w, .. } = AtRest::of(survey, elements, set_point_c);
         let held_c: Vec<Option<f64>> = held.iter().map(|held| held.then_some(set_point_c)).collect();
         let noise_w = noise_w(survey, elements, conditions, &held);
         let step = (MOST_M_S / LEAST_M_S).ln() / (SPEEDS - 1) as f64;
@@ -121,6 +110,11 @@ impl WindRange {
             at_rest_w,
             winds,
         }
+    }
+
+    /// The least surveyed wind that takes more of an element than a power.
+    pub fn first_above(&self, element: usize, power_w: f64) -> Option<&WindNeeds> {
+        self.winds.iter().find(|needs| needs.power_w[element][1] > power_w)
     }
 
     /// The surveyed wind that is nearest to a speed.

@@ -102,7 +102,7 @@ fn winds_that_do_not_determine_a_card_are_refused_with_what_is_missing() {
         other => other.to_string(),
     };
     let all = tunnel(120, [1.0; DICE], 1e-3);
-    assert!(spread(&all[..20]).contains("20 winds are given, at least 40 are needed"));
+    assert!(spread(&all[..20]).contains("20 winds given, at least 40 are needed"));
     let half: Vec<SteadyWind> = all.iter().filter(|of| of.wind_m_s[1] < 0.0).cloned().collect();
     // Around the boom is −y.
     assert!(spread(&half).contains("no wind goes towards 180 to 210°"), "{}", spread(&half));

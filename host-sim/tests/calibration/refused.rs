@@ -138,9 +138,13 @@ fn fewer_winds_than_unknowns_are_counted() {
     let sentences = lacking(&tunnel.head(), &good()[..8]);
     println!("{sentences:#?}");
     // 6 × 4 coefficients, 3 gains, 4 G0, 3 turns.
-    assert!(
-        sentences[0]
-            .starts_with("8 winds of 4 surfaces are 32 readings, fewer than the 34 unknowns: at least 1 winds more")
+    assert_eq!(
+        sentences[0],
+        "8 winds of 4 surfaces: 32 readings, fewer than the 34 unknowns; it takes at least 1 wind more"
+    );
+    assert_eq!(
+        lacking(&tunnel.head(), &good()[..1])[0],
+        "1 wind of 4 surfaces: 4 readings, fewer than the 34 unknowns; it takes at least 8 winds more"
     );
     assert!(lacking(&tunnel.head(), &good()).is_empty());
 }
@@ -164,7 +168,7 @@ fn readings_that_cannot_be_meant_are_refused_by_label() {
     assert!(refused(|s| s.wind_m_s[1] = f64::NAN).contains("a component of the wind is NaN"));
     assert!(refused(|s| s.wind_m_s = [1e9, 0.0, 0.0]).contains("Reynolds number"));
     assert!(refused(|s| s.gas.density_kg_m3 = -1.0).contains("gas: "));
-    assert!(refused(|s| s.surfaces.truncate(3)).contains("3 surfaces were read, but the head has 4"));
+    assert!(refused(|s| s.surfaces.truncate(3)).contains("3 surfaces read, but the head has 4"));
 }
 
 #[test]

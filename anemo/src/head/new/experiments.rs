@@ -19,6 +19,11 @@ const SHORTEST_S: f64 = 0.001;
 /// Change of a bare element's temperature by one bit, as a share of the overheat.
 const MOST_RIPPLE: f64 = 0.005;
 
+/// Greatest wind, m/s.
+const MOST_M_S: f64 = 10.0;
+/// Least ratio of the currents by which an element is identified: a little more than boards take.
+const LEAST_RATIO: f64 = 1.6;
+
 /// For winds across a head.
 const LEVEL: &str = "plane = \"level\" # of x and y: along its axis such a head tells nothing\n";
 
@@ -28,6 +33,12 @@ pub struct NewExperiments {
     pub files: Vec<(String, String)>,
     /// Names of the elements that are identified.
     pub identified: Vec<String>,
+    /// Whether there are others that might be driven, and only sense at this overheat.
+    pub is_part: bool,
+    /// Why the head cannot be calibrated so.
+    pub uncalibrated: Option<String>,
+    /// What becomes of winds that are too strong.
+    pub too_strong: Option<String>,
     /// Quiescent gas before the first wind, s.
     pub still_s: f64,
 }
@@ -46,12 +57,14 @@ fn held_period_s(head: &Head, report: &HeadCheckReport) -> f64 {
 /// its own make more, as a table of an experiment.
 fn gentle_currents(element: &HeadElement, of: &ElementCheck, overheat_k: f64) -> Option<String> {
     let share = 2.0 * overheat_k / of.own_gain_k_per_w / of.level_w[1];
-    (share < 1.0).then(|| {
+    let low_a = element.nominal.current_low_a;
+    let high_a = (element.nominal.current_high_a * share.sqrt()).max(LEAST_RATIO * low_a);
+    (high_a < element.nominal.current_high_a).then(|| {
         format!(
             "[currents] # so that half of the time at high makes about {overheat_k} K\n{} = {{ low_a = {}, high_a = {} }}\n\n",
             of.name,
-            short(element.nominal.current_low_a, 4),
-            short(element.nominal.current_high_a * share.sqrt(), 2)
+            short(low_a, 4),
+            short(high_a, 2)
         )
     })
 }
@@ -78,34 +91,16 @@ fn plane(head: &Head) -> String {
     }
 }
 
-/// Refuses an overheat at which an element would trip.
-fn within_limits(head: &Head, report: &HeadCheckReport) -> Result<(), Failure> {
-    let set_point_c = report.conditions.set_point_c();
-    let held = head.elements.iter().zip(&report.elements).filter(|(_, of)| of.held).map(|(element, _)| element);
-    for element in held {
-        let (hottest_c, _) = element.config.hottest_set_point();
-        if set_point_c > f64::from(hottest_c) {
-            return Err(Failure::usage(format!(
-                "--overheat is {}: it makes `{}` {} °C warm, and by its limits it trips above {} °C",
-                report.conditions.overheat_k,
-                element.name,
-                short(set_point_c, 4),
-                short(f64::from(hottest_c), 4)
-            )));
-        }
-    }
-    Ok(())
-}
-
 /// The experiments of a head at an overheat, with so many winds to estimate.
 ///
 /// # Errors
-/// If the head cannot be simulated.
+/// If the head cannot be simulated, or not operated so.
 pub fn experiments(head: &Head, overheat_k: f64, count: u32) -> Result<NewExperiments, Failure> {
     let report = check(head, GivenConditions::default(), |conditions| conditions.overheat_k = overheat_k)?;
     let held: Vec<&str> = report.elements.iter().filter(|of| of.held).map(|of| of.name.as_str()).collect();
-    within_limits(head, &report)?;
     let slowest_s = report.time_constants_s.first().copied().unwrap_or(1.0);
+    let record_s = (12.0 * slowest_s / 600.0).ceil() * 600.0;
+    super::limits::refuse(head, &report, record_s)?;
     let conditions = report.conditions;
     let set_point_c = short(conditions.set_point_c(), 4);
     let held_period_s = held_period_s(head, &report);
@@ -138,7 +133,7 @@ pub fn experiments(head: &Head, overheat_k: f64, count: u32) -> Result<NewExperi
     // A calibration, and winds that it has not seen.
     let plane = plane(head);
     for (file, title, winds, [least_m_s, most_m_s], hold_s, seed) in [
-        ("tunnel.toml", "calibration in a tunnel", 60, [0.5, 10.0], 20.0, 1),
+        ("tunnel.toml", "calibration in a tunnel", 60, [0.5, MOST_M_S], 20.0, 1),
         ("winds.toml", "winds to estimate", count, [0.7, 9.0], 10.0, 7),
     ] {
         let mut text = start(title, held_period_s, warm_s + hold_s * f64::from(winds), 41);
@@ -150,7 +145,6 @@ pub fn experiments(head: &Head, overheat_k: f64, count: u32) -> Result<NewExperi
         text += &plane;
         all.push((file.to_owned(), text));
     }
-    let record_s = (12.0 * slowest_s / 600.0).ceil() * 600.0;
     let checked = head.elements.iter().zip(&report.elements).filter(|(_, of)| of.held);
     for (i, (element, of)) in checked.enumerate() {
         let name = &of.name;
@@ -165,5 +159,13 @@ pub fn experiments(head: &Head, overheat_k: f64, count: u32) -> Result<NewExperi
         all.push((format!("identify-{name}.toml"), text));
     }
     let identified = held.iter().map(|&name| name.to_owned()).collect();
-    Ok(NewExperiments { files: all, identified, still_s: warm_s })
+    let drivable = head.elements.iter().filter(|of| of.may_be_driven());
+    Ok(NewExperiments {
+        files: all,
+        identified,
+        is_part: held.len() < drivable.count(),
+        uncalibrated: super::limits::uncalibrated(head, &report),
+        too_strong: super::limits::too_strong(head, &report, MOST_M_S),
+        still_s: warm_s,
+    })
 }

@@ -1,6 +1,7 @@
 //! `anemo head new`: a folder to begin with, a head file and its first experiments.
 
 mod experiments;
+mod limits;
 mod template;
 
 use std::path::{Path, PathBuf};
@@ -34,11 +35,11 @@ Examples:
   anemo head check tube/head.toml --overheat 20
   anemo run tube/held.toml --on sim -o held.parquet --plot held.svg")]
 pub struct NewArguments {
-    /// The folder, which must not be there yet; its name becomes that of a new head.
+    /// The folder, which must not be there yet; its name becomes the head's.
     #[arg(value_name = "FOLDER")]
     folder: PathBuf,
     /// What is heated in the stream.
-    #[arg(long, required_unless_present = "from", value_parser = choice([
+    #[arg(long, value_parser = choice([
         ("wire", "one hot film needle and a reference: speed", NewHeadKind::Wire),
         ("crossed-wires", "two hot film needles across each other: speed and direction in front of them", NewHeadKind::CrossedWires),
         ("cylinder", "three sectors around a tube, or as many as --sectors says: the wind across it", NewHeadKind::Cylinder),
@@ -88,31 +89,42 @@ pub fn begin(arguments: &NewArguments) -> Result<(), Failure> {
     let overheat_k = arguments.overheat;
     crate::output::positive(&[("--overheat", Some(overheat_k))])?;
     let head = head(arguments, name)?;
-    let NewExperiments { identified, still_s, .. } = write(folder, &head, overheat_k, WINDS)?;
-    let (folder, elements) = (Path::display(folder), identified.join(" "));
-    crate::output::print(&format!(
+    let made = write(folder, &head, overheat_k, WINDS)?;
+    made.too_strong.iter().chain(&made.uncalibrated).for_each(|note| crate::output::warn(note));
+    crate::output::print(&next(Path::display(folder), &made, overheat_k))
+}
+
+/// The commands that follow.
+fn next(folder: std::path::Display<'_>, made: &NewExperiments, overheat_k: f64) -> String {
+    let NewExperiments { identified, is_part, still_s, .. } = made;
+    let only = if *is_part { format!(" \\\n  --elements {}", identified.join(",")) } else { String::new() };
+    let elements = identified.join(" ");
+    let network = format!(
         "{folder}/head.toml and its experiments are there. Next, the head and the head in winds:\n  \
          anemo head check {folder}/head.toml --overheat {overheat_k}\n  \
          anemo run {folder}/held.toml --on sim -o {folder}/held.parquet --plot {folder}/held.svg\n\
          its network in quiescent gas:\n  \
          for e in {elements}\n  \
          do anemo run {folder}/identify-$e.toml --on sim -o {folder}/id-$e.parquet; done\n  \
-         anemo head identify {folder}/id-*.parquet -o {folder}/network.json\n\
-         its calibration, and winds that this has not seen:\n  \
+         anemo head identify {folder}/id-*.parquet -o {folder}/network.json{only}\n",
+    );
+    let calibration = format!(
+        "its calibration, and winds that this has not seen:\n  \
          anemo run {folder}/tunnel.toml --on sim -o {folder}/tunnel.parquet\n  \
          anemo calibrate {folder}/tunnel.parquet --network {folder}/network.json --settle 5 -o {folder}/calibrated.toml\n  \
          anemo run {folder}/winds.toml --on sim -o {folder}/winds.parquet\n  \
          anemo wind {folder}/winds.parquet --head {folder}/calibrated.toml --from {still_s} --settle 3 --bandwidth 1 --fixed \\\n  \
          --plot {folder}/winds.svg\n",
-    ))
+    );
+    if made.uncalibrated.is_some() { network } else { network + &calibration }
 }
 
 /// The head of a kind, or of a file.
 fn head(arguments: &NewArguments, name: &str) -> Result<Head, Failure> {
     let kind = match (arguments.kind, &arguments.from) {
         (Some(kind), _) => kind,
-        (None, Some(path)) => return Ok(Head::read(path)?),
-        (None, None) => return Err(Failure::usage("--kind or --from says what the folder begins with")),
+        (None, Some(path)) => return Ok(Head::read(path)?.named(name)?),
+        (None, None) => return Err(Failure::usage("either --kind or --from is needed: what the folder begins with")),
     };
     let known = kind.sectors();
     let sectors = arguments.sectors.unwrap_or(known[0]);

@@ -1,6 +1,8 @@
 //! Whether a set of winds can determine a card, before anything is fitted; and if not, which winds
 //! are missing.
 
+use recording::text::count;
+
 use super::drawn::CardWind;
 
 /// Sectors of directions of which each needs a wind.
@@ -13,7 +15,7 @@ const LEAST_RATIO: f64 = 3.0;
 pub fn lacking(winds: &[CardWind]) -> Vec<String> {
     let mut lacking = Vec::new();
     if winds.len() < LEAST_WINDS {
-        lacking.push(format!("{} winds are given, at least {LEAST_WINDS} are needed", winds.len()));
+        lacking.push(format!("{} given, at least {LEAST_WINDS} are needed", count(winds.len(), "wind")));
     }
     let (least, most) = ends(winds);
     if most < LEAST_RATIO * least {

@@ -21,7 +21,7 @@ use super::super::error::CalibrateError;
 use super::super::steady_wind::{SteadyWind, SurfaceReading};
 use super::family::seen_orders;
 use crate::vector::{across, dot, length};
-use recording::text::tidy;
+use recording::text::{count, tidy};
 
 /// Reynolds numbers that a calibration takes; those of dr-core's amplitudes are wider.
 const REYNOLDS: std::ops::RangeInclusive<f64> = 1e-2..=1e5;
@@ -124,8 +124,8 @@ pub fn ready(head: &DrawnSurfaces) -> Result<SurfaceGeometry<'_>, CalibrateError
         return Err(refuse(format!("the diameter is {} m; it must be a positive length", head.diameter_m)));
     }
     if head.surfaces.len() < *head.form.surfaces().start() {
-        let given = head.surfaces.len();
-        return Err(refuse(format!("{given} surfaces are given; a head that tells a direction has at least two")));
+        let given = count(head.surfaces.len(), "surface");
+        return Err(refuse(format!("{given} given; a head that tells a direction has at least two")));
     }
     let surfaces = head
         .surfaces
@@ -148,8 +148,8 @@ pub fn winds(head: &SurfaceGeometry<'_>, steady: &[SteadyWind]) -> Result<Vec<Ch
 
 fn wind(head: &SurfaceGeometry<'_>, given: usize, steady: &SteadyWind) -> Result<CheckedWind, CalibrateError> {
     if steady.surfaces.len() != head.surfaces.len() {
-        let (read, known) = (steady.surfaces.len(), head.surfaces.len());
-        return Err(steady.refuse(format!("{read} surfaces were read, but the head has {known}")));
+        let (read, known) = (count(steady.surfaces.len(), "surface"), head.surfaces.len());
+        return Err(steady.refuse(format!("{read} read, but the head has {known}")));
     }
     if let Some(bad) = steady.wind_m_s.iter().find(|v| !v.is_finite()) {
         return Err(steady.refuse(format!("a component of the wind is {bad}; it must be a number in m/s")));

@@ -26,6 +26,7 @@
 
 use dr_core::wind::HeadForm;
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
+use recording::text::count;
 
 use super::super::compared::{ReynoldsRange, digits};
 use super::mounting::Mounting;
@@ -103,10 +104,11 @@ fn few(head: &SurfaceGeometry<'_>, winds: &[CheckedWind]) -> Vec<String> {
         return Vec::new();
     }
     vec![format!(
-        "{} winds of {n} surfaces are {} readings, fewer than the {unknowns} unknowns: at least {} winds more are missing",
-        winds.len(),
-        n * winds.len(),
-        unknowns.div_ceil(n) - winds.len()
+        "{} of {}: {}, fewer than the {unknowns} unknowns; it takes at least {} more",
+        count(winds.len(), "wind"),
+        count(n, "surface"),
+        count(n * winds.len(), "reading"),
+        count(unknowns.div_ceil(n) - winds.len(), "wind")
     )]
 }
 
