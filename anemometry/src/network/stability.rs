@@ -20,9 +20,9 @@
 //! reading at the high level in every other tick are no longer so where the next one comes after 16
 //! of them. Three films on a tube run away from every fourth, 10⁴ times the steady E and more; the
 //! sectors of sphere B stay within 5, hemispheres of sphere A within 12. The error of an observer
-//! does not depend on the heating that it knows of, and so there is none. Four dice on a card, which
-//! heat each other by a fifth of what they heat themselves within a second, are unstable with quick
-//! gains; the sectors of a sphere are not.
+//! does not depend on the heating that it knows of, and so there is none. Four dice on a card,
+//! which heat each other by a fifth of what they heat themselves within a second, are unstable with
+//! quick gains; the sectors of a sphere are not.
 //!
 //! Limits: the network is taken for the truth. Where the identification is wrong, quick gains may
 //! do harm that is not seen here.

@@ -199,7 +199,7 @@ impl SurfaceCalibration {
         sentences
     }
 
-    /// What a stream adds to the mean Nusselt number over 0.6 Re^½, which is about that of published
+    /// What a stream adds to the mean Nusselt number over 0.6 Re^½, about that of published
     /// spheres, cylinders and wires; geometric mean over the range of speeds.
     fn over_published(&self) -> f64 {
         let ratio = (self.curves.most_reynolds / self.curves.least_reynolds).ln() / (POINTS - 1) as f64;

@@ -60,14 +60,14 @@ pub enum LawUnknown {
 
 /// King's law at a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct KingLaw {
+pub struct SoughtLaw {
     /// m
     pub exponent: f64,
     /// κ: square of the yaw factor; of a single element 1.
     pub yaw_square: f64,
 }
 
-impl KingLaw {
+impl SoughtLaw {
     /// U²/v² at a cosine to the normal, not quite zero.
     fn seen_square(&self, cosine: f64) -> f64 {
         (cosine * cosine + self.yaw_square * (1.0 - cosine * cosine)).max(LEAST_SEEN)
@@ -106,7 +106,7 @@ pub struct FitPoint {
     /// R
     pub mounting: Mounting,
     /// King's law, where its exponent or yaw factor is sought.
-    pub law: KingLaw,
+    pub law: SoughtLaw,
 }
 
 /// H and b of H δ = b, and what is left over.
@@ -149,7 +149,7 @@ impl<'a> SurfaceProblem<'a> {
             gains: vec![1.0; n],
             quiescent: vec![self.family.at_rest; n],
             mounting: Mounting::drawn(self.head.form(), &self.head.surfaces),
-            law: KingLaw { exponent: 0.5, yaw_square: 1.0 },
+            law: SoughtLaw { exponent: 0.5, yaw_square: 1.0 },
         }
     }
 

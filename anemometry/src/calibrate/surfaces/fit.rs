@@ -1,10 +1,10 @@
 //! Weighted least squares for all unknowns at once: Gauss–Newton, damped after Levenberg and
 //! Marquardt.
 //!
-//! A step is that of the linear equations with γ ≥ 0 and κ ≥ 0 kept exactly (Lawson and Hanson). It is taken
-//! if the cost falls. It ends where an undamped step would lower the cost by less than `SMALL`
-//! standard errors squared. It descends twice: `FIRST` from afar, to find the mounting, and then
-//! with the weights of the readings (`LAST`).
+//! A step is that of the linear equations with γ ≥ 0 and κ ≥ 0 kept exactly (Lawson and Hanson). It
+//! is taken if the cost falls. It ends where an undamped step would lower the cost by less than
+//! `SMALL` standard errors squared. It descends twice: `FIRST` from afar, to find the mounting, and
+//! then with the weights of the readings (`LAST`).
 //!
 //! Smooth amplitudes do not follow every bend of the true ones. What they leave is most where the
 //! weights are, in the lee, and alike on all surfaces of a wind. The covariance is therefore that

@@ -5,12 +5,12 @@
 //! U² = v² (cos² φ + k² sin² φ)        of a wire at the angle φ between the wind and its normal
 //! ```
 //!
-//! m and κ = k² are unknowns of [`fit`] beside A, B, gains and mounting, with standard uncertainties
-//! as theirs. dr-core has six cosines for the law of a wire, fitted to it at the winds' own angles;
-//! A, B, gains and mounting are then those that fit the readings best by these. Where k is small the
-//! law has a kink at 90°, which six cosines do not follow: the misfit says by how much. (Fitted by
-//! cosines in the first place, a k of 0.1 would come out as 0.116, and of 0 an exponent a fifth too
-//! small.)
+//! m and κ = k² are unknowns of [`fit`] beside A, B, gains and mounting, with standard
+//! uncertainties as theirs. dr-core has six cosines for the law of a wire, fitted to it at the
+//! winds' own angles; A, B, gains and mounting are then those that fit the readings best by these.
+//! Where k is small the law has a kink at 90°, which six cosines do not follow: the misfit says by
+//! how much. (Fitted by cosines in the first place, a k of 0.1 would come out as 0.116, and of 0 an
+//! exponent a fifth too small.)
 
 use dr_core::wind::HeadForm;
 use dr_core::wind::nusselt::ORDERS;
@@ -18,7 +18,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use super::super::error::CalibrateError;
-use super::equations::{FitPoint, KingLaw, LawUnknown, SurfaceProblem};
+use super::equations::{FitPoint, LawUnknown, SoughtLaw, SurfaceProblem};
 use super::family::{AmplitudeFamily, AmplitudeShape};
 use super::fit::{self, SurfaceFit};
 use super::readings::{CheckedWind, SurfaceGeometry};
@@ -60,8 +60,10 @@ pub fn king<'a>(
     let mut problem = by(AmplitudeShape::Law);
     problem.sought.extend(given.is_none().then_some(LawUnknown::Exponent));
     problem.sought.extend(has_angles.then_some(LawUnknown::YawSquare));
-    let law =
-        KingLaw { exponent: given.unwrap_or(0.5), yaw_square: if has_angles { YAW_FACTOR * YAW_FACTOR } else { 1.0 } };
+    let law = SoughtLaw {
+        exponent: given.unwrap_or(0.5),
+        yaw_square: if has_angles { YAW_FACTOR * YAW_FACTOR } else { 1.0 },
+    };
     // About what published cylinders and wires have, so that exponent and yaw factor matter.
     let coefficients = vec![0.0, 0.6 * family.most_reynolds.sqrt()];
     let fitted = fit::fit_from(&problem, FitPoint { coefficients, law, ..problem.drawn() })?;
@@ -94,7 +96,7 @@ fn yaw_error(yaw_square: f64, error: f64) -> f64 {
 
 /// F_n: the cosine series in 2φ that is nearest to (cos² φ + k² sin² φ)^(m/2) at these angles,
 /// degrees; elsewhere it is held to the law by a little weight.
-fn shares(law: &KingLaw, angles_deg: &[f64]) -> Option<[f64; ORDERS]> {
+fn shares(law: &SoughtLaw, angles_deg: &[f64]) -> Option<[f64; ORDERS]> {
     let everywhere = (0..ANGLES).map(|j| (90.0 * (j as f64 + 0.5) / ANGLES as f64, HELD / ANGLES as f64));
     let of_winds = angles_deg.iter().map(|&angle| (angle, 1.0 / angles_deg.len() as f64));
     let (mut h, mut b) = (DMatrix::zeros(ORDERS, ORDERS), DVector::zeros(ORDERS));
@@ -115,7 +117,7 @@ mod tests {
     #[test]
     fn the_series_of_a_wire_is_its_law_at_the_angles_of_the_winds() {
         let off = |yaw_factor: f64, most_deg: u32| {
-            let law = KingLaw { exponent: 0.45, yaw_square: yaw_factor * yaw_factor };
+            let law = SoughtLaw { exponent: 0.45, yaw_square: yaw_factor * yaw_factor };
             let angles: Vec<f64> = (0..=most_deg).map(f64::from).collect();
             let shares = shares(&law, &angles).unwrap();
             let error = |degrees: &f64| {
