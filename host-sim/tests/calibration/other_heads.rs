@@ -107,7 +107,7 @@ fn a_hot_wire_that_obeys_kings_law_gives_its_exponent_and_the_speed() {
         let errors = bench.unseen(&found, &winds(100, [0.5, 12.0], 0.0, 0.3));
         assert!(errors.speed_rms < 5e-3 && errors.direction_rms_deg.is_nan(), "{errors:?}");
         // Nothing says what of the loss at rest is conduction into the gas.
-        assert!(found.to_string().contains(" taken ") && found.warning().is_none(), "{found}");
+        assert!(found.to_string().contains(" taken ") && found.warnings().is_empty(), "{found}");
         // The spline knows the law as well, a little less surely.
         let spline = DrawnSurfaces { law: LossLaw::Spline, ..bench.drawn.clone() };
         let found = calibrate(&spline, &bench.readings(&known, 2e-3, seed)).unwrap();
@@ -126,7 +126,7 @@ fn a_poor_calibration_warns_of_its_worst_wind() {
     let known: Vec<[f64; 3]> = (0..20).map(|n| [-0.5 * 24_f64.powf(f64::from(n) / 19.0), 0.0, 0.0]).collect();
     // Speeds that are known to a tenth only: 3 to 5 % of the loss.
     let found = calibrate(&bench.drawn, &bench.readings(&known, 0.1, 1)).unwrap();
-    let warning = found.warning().unwrap();
+    let warning = found.warnings().concat();
     let worst = format!("most in {} at surface1", found.worst.label);
     assert!(warning.starts_with("the calibration is poor: ") && warning.contains(&worst), "{warning}");
 }
