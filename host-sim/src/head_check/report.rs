@@ -79,7 +79,7 @@ pub fn check(
     let gains = survey.own_gains_k_per_w([0.0; 3]);
     let gains_in_wind = survey.own_gains_k_per_w(USUAL_M_S);
     let range = WindRange::of(&mut survey, &head.elements, &conditions);
-    // Time constants are those of the overheat that is checked, not of others that would be possible.
+    // Time constants are those of the overheat that is checked, not of others that are possible.
     let fault = OverheatError::of(&mut survey.clone(), head, &conditions);
     let capacities_j_k: Vec<f64> = (0..head.elements.len()).map(|i| survey.element_capacity_j_k(i)).collect();
     let element = |(i, of): (usize, &anemometry::head::HeadElement)| ElementCheck {
