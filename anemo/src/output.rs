@@ -220,7 +220,7 @@ pub fn keep(read: &[&std::path::Path], written: &[Option<&std::path::Path>]) -> 
     })
 }
 
-/// Options' numbers, all of which must be finite and above 0.
+/// Options' numbers: each must be finite and above 0.
 pub fn positive(options: &[(&str, Option<f64>)]) -> Result<(), Failure> {
     let mut given = options.iter().filter_map(|(name, value)| Some((name, (*value)?)));
     match given.find(|(_, value)| !(value.is_finite() && *value > 0.0)) {

@@ -101,11 +101,8 @@ impl SurfaceCalibration {
         let head = problem.head.drawn;
         let SurfaceFit { place, equations, covariance, degrees_of_freedom } = fitted;
         let family = &problem.family;
-        let ratio = (family.most_reynolds / family.least_reynolds).ln() / (POINTS - 1) as f64;
-        let amplitudes = std::array::from_fn(|j| {
-            let reynolds = family.least_reynolds * (ratio * j as f64).exp();
-            family.amplitudes(&family.at(reynolds), &place.coefficients)
-        });
+        let points = points(family.least_reynolds, family.most_reynolds);
+        let amplitudes = points.map(|reynolds| family.amplitudes(&family.at(reynolds), &place.coefficients));
         let errors = |first: usize, basis: &DMatrix<f64>| -> Vec<f64> {
             let size = basis.ncols();
             let own = covariance.view((first, first), (size, size));
@@ -202,10 +199,9 @@ impl SurfaceCalibration {
     /// What a stream adds to the mean Nusselt number over 0.6 Re^½, about that of published
     /// spheres, cylinders and wires; geometric mean over the range of speeds.
     fn over_published(&self) -> f64 {
-        let ratio = (self.curves.most_reynolds / self.curves.least_reynolds).ln() / (POINTS - 1) as f64;
         let at_rest = f64::from(self.form.nusselt_at_rest());
-        let over = self.curves.amplitudes.iter().enumerate().map(|(j, amplitudes)| {
-            let reynolds = self.curves.least_reynolds * (ratio * j as f64).exp();
+        let points = points(self.curves.least_reynolds, self.curves.most_reynolds);
+        let over = self.curves.amplitudes.iter().zip(points).map(|(amplitudes, reynolds)| {
             ((amplitudes[0] - at_rest).max(f64::MIN_POSITIVE) / (0.6 * reynolds.sqrt())).ln()
         });
         (over.sum::<f64>() / POINTS as f64).exp()
@@ -306,6 +302,12 @@ impl CalibratedSurface {
             false => format!("taken {}", short(1e3 * self.quiescent_w_k, 2)),
         }
     }
+}
+
+/// Reynolds numbers at which the board has amplitudes: even in their logarithm.
+fn points(least_reynolds: f64, most_reynolds: f64) -> [f64; POINTS] {
+    let ratio = (most_reynolds / least_reynolds).ln() / (POINTS - 1) as f64;
+    std::array::from_fn(|j| least_reynolds * (ratio * j as f64).exp())
 }
 
 /// The reading farthest off, in standard uncertainties of reading and misfit together.

@@ -270,10 +270,7 @@ impl<'a> SurfaceProblem<'a> {
         }
         // A small turn δ moves w by δ × w; at a Reynolds number of one the gradient is −∂Nu/∂w
         // across w.
-        let torque = gradient.cross(from);
-        for k in 0..place.mounting.turns.ncols() {
-            row[self.first_turn() + k] = weight * torque.dot(&place.mounting.turns.fixed_view::<3, 1>(0, k));
-        }
+        self.turn_row(place, gradient.cross(from), weight, row);
         nusselt
     }
 
@@ -294,11 +291,15 @@ impl<'a> SurfaceProblem<'a> {
             row[self.first_of_law(place) + k] = weight * factor * power * per_unit;
         }
         let turning = -factor * power * law.exponent * cosine * (1.0 - law.yaw_square) / seen_square;
-        let torque = (turning * axis).cross(&stream.from);
+        self.turn_row(place, (turning * axis).cross(&stream.from), weight, row);
+        self.family.at_rest + place.coefficients[0] + factor * power
+    }
+
+    /// Derivatives to the turns of the mounting.
+    fn turn_row(&self, place: &FitPoint, torque: Vector3<f64>, weight: f64, row: &mut [f64]) {
         for k in 0..place.mounting.turns.ncols() {
             row[self.first_turn() + k] = weight * torque.dot(&place.mounting.turns.fixed_view::<3, 1>(0, k));
         }
-        self.family.at_rest + place.coefficients[0] + factor * power
     }
 
     fn prior(&self, place: &FitPoint, stage: FitStage, sums: &mut NormalSums) {
