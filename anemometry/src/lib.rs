@@ -29,6 +29,7 @@
 //! | [`vector`] | scalar product, length, angle |
 
 pub mod calibrate;
+pub mod combine;
 pub mod gas;
 pub mod gas_law;
 pub mod head;

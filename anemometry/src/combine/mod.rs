@@ -1,0 +1,35 @@
+//! One wind vector from several instruments, each of which sees a part of it: cards round a boom,
+//! booms beside each other, wires or cylinders on different axes.
+//!
+//! ```text
+//! w_i / |v| = Σ_j c_ij Y_j(v/|v|) + n_i          n_i of the variance s_i²(v/|v|) + σ_i²/|v|²
+//! ```
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | v | the wind, where the gas goes to |
+//! | w_i | component i of what the instruments estimate, each in its own frame and for a wind in its plane |
+//! | c | how an instrument answers to winds from everywhere, its shadows and those of its neighbours included |
+//! | Y | spherical harmonics ([`harmonics`]), to the degree that is best in winds that were left out |
+//! | s | what the harmonics leave of winds that were left out, by direction: an instrument in the lee of its own body loses its weight there |
+//! | σ | standard uncertainty as the instrument states it |
+//!
+//! The estimate is the v for which the components are likeliest; speeds count by shares, since what
+//! instruments do wrong goes with the speed.
+//!
+//! | file | what |
+//! |---|---|
+//! | [`readings`] | files of `anemo wind`, row by row and as means of steady winds |
+//! | [`harmonics`] | spherical harmonics |
+//! | [`combination`] | the fit, and the file of it |
+//! | [`estimate`] | the wind |
+//!
+//! *Limits.* Answers are taken to grow with the speed; what they do besides is part of s.
+
+pub mod combination;
+pub mod estimate;
+pub mod harmonics;
+pub mod readings;
+
+pub use combination::{CombineError, Combination};
+pub use estimate::CombinedWind;
