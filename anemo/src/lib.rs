@@ -21,6 +21,7 @@ mod board;
 mod calibrate;
 mod check;
 mod choice;
+mod combine;
 mod convert;
 mod design;
 mod example;
@@ -122,6 +123,7 @@ enum Subcommands {
     Network(head::identify::IdentifyArguments),
     Calibrate(calibrate::Arguments),
     Wind(wind::Arguments),
+    Combine(combine::Arguments),
     Validate(validate::Arguments),
     Plot(plot::Arguments),
     Example(example::Arguments),
@@ -205,6 +207,7 @@ pub fn main() -> ExitCode {
         Subcommands::Network(arguments) => head::identify::identify_network(&arguments),
         Subcommands::Calibrate(arguments) => calibrate::execute(&arguments),
         Subcommands::Wind(arguments) => wind::execute(&arguments),
+        Subcommands::Combine(arguments) => combine::execute(&arguments),
         Subcommands::Validate(arguments) => validate::execute(&arguments),
         Subcommands::Plot(arguments) => plot::execute(&arguments),
         Subcommands::Example(arguments) => example::execute(&arguments),

@@ -120,6 +120,7 @@ pub(super) fn layout(experiment: &Experiment, on: &On) -> RecordingLayout {
         true_wind: simulated,
         gas: simulated && *on != On::Silicon && experiment.gas_swing.is_some(),
         estimates: experiment.surfaces(),
+        combined_wind: false,
         observed: experiment.observed().into_iter().map(|element| names[element].to_owned()).collect(),
     }
 }

@@ -92,7 +92,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         WindEstimation::new(&arguments.recording, &head, &options, table.as_ref()).map_err(Failure::usage)?;
     let (true_wind, gas) = (estimation.has_truth(), estimation.has_gas());
     let estimates = estimation.surfaces();
-    let layout = RecordingLayout { elements: Vec::new(), true_wind, gas, observed: Vec::new(), estimates };
+    let layout =
+        RecordingLayout { elements: Vec::new(), true_wind, gas, observed: Vec::new(), estimates, combined_wind: false };
     let known = metadata(arguments, &head, &estimation)?;
     let mut recorded = RecordingOutputs::create(
         arguments.output.as_deref(),

@@ -56,8 +56,14 @@ mod tests {
     #[test]
     fn every_column_of_a_recording_says_its_unit_and_what_it_is() {
         let names = || vec!["sector1".to_owned(), "core-1".to_owned()];
-        let layout =
-            RecordingLayout { elements: names(), true_wind: true, gas: true, observed: names(), estimates: names() };
+        let layout = RecordingLayout {
+            elements: names(),
+            true_wind: true,
+            gas: true,
+            observed: names(),
+            estimates: names(),
+            combined_wind: false,
+        };
         for column in layout.columns().into_iter().chain([UTC.to_owned()]) {
             let (unit, what) = described(&column).unwrap_or_else(|| panic!("{column}"));
             assert!(!what.is_empty() && (unit.is_empty() == [EVENT, STATE].contains(&column.as_str())), "{column}");

@@ -23,6 +23,8 @@ pub struct RecordingLayout {
     pub observed: Vec<String>,
     /// Names of the elements of a head that outputs wind estimates; none if it does not.
     pub estimates: Vec<String>,
+    /// Whether the rows carry a wind by several instruments, in place of such estimates.
+    pub combined_wind: bool,
 }
 
 /// One tick.
@@ -89,8 +91,16 @@ impl RecordingLayout {
         if self.gas {
             columns.push(GAS_TEMPERATURE.to_owned());
         }
-        columns.extend(wind::columns(&self.estimates));
+        columns.extend(self.wind_columns());
         columns
+    }
+
+    /// Names of the columns of the wind.
+    fn wind_columns(&self) -> Vec<String> {
+        match self.combined_wind {
+            true => wind::COMBINED.map(str::to_owned).to_vec(),
+            false => wind::columns(&self.estimates),
+        }
     }
 
     /// Refuses elements that the rows cannot carry.
@@ -103,7 +113,7 @@ impl RecordingLayout {
     }
 
     pub(crate) fn check(&self, row: &RecordingRow) -> Result<(), RecordingError> {
-        let (elements, estimates) = (self.elements.len(), wind::columns(&self.estimates).len());
+        let (elements, estimates) = (self.elements.len(), self.wind_columns().len());
         let counts = [
             (row.temperature_c.len(), "temperatures for", elements, "elements"),
             (row.power_w.len(), "powers for", elements, "elements"),

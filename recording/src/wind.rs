@@ -41,8 +41,19 @@ pub const DIRECTION_UNCERTAINTY: &str = "wind_direction_u_deg";
 pub const ESTIMATED_GAS: &str = "wind_gas_temperature_c";
 /// Quality flags, a sum of bits.
 pub const QUALITY_FLAGS: &str = "quality_flags";
-const OTHERS: [&str; 5] =
-    ["wind_across_m_s", SPEED_UNCERTAINTY, DIRECTION_UNCERTAINTY, "wind_chi_square", ESTIMATED_GAS];
+const CHI_SQUARE: &str = "wind_chi_square";
+/// Columns of a wind by several instruments.
+pub const COMBINED: [&str; 8] = [
+    WIND_ESTIMATE[0],
+    WIND_ESTIMATE[1],
+    WIND_ESTIMATE[2],
+    WIND_SPEED,
+    SPEED_UNCERTAINTY,
+    DIRECTION_UNCERTAINTY,
+    CHI_SQUARE,
+    QUALITY_FLAGS,
+];
+const OTHERS: [&str; 5] = ["wind_across_m_s", SPEED_UNCERTAINTY, DIRECTION_UNCERTAINTY, CHI_SQUARE, ESTIMATED_GAS];
 
 /// Names of the columns of a head with these surfaces; none for a head that is not calibrated.
 pub fn columns(surfaces: &[String]) -> Vec<String> {

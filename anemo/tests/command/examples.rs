@@ -30,12 +30,14 @@ const FIRST: [&str; 13] = [
 
 /// What is only parsed: a user's own table, a board and its log, the emulator, a killed program,
 /// studies of minutes.
-const PARSED: [&str; 9] = [
+const PARSED: [&str; 11] = [
     "calibrate speeds.csv",
     " mast/",
     "serial:",
     "--on qemu",
     "anemo recover",
+    "anemo combine",
+    "--head card$n.toml",
     "anemo benchmark",
     "anemo thesis\n",
     "anemo thesis rems",

@@ -97,25 +97,26 @@ impl Combination {
             }
             0.0
         });
-        let tried = (1..=MOST_DEGREE).filter(|degree| {
-            *degree == 1 || WINDS_A_COEFFICIENT * count(*degree) as f64 <= whole.len() as f64
-        });
+        let tried = (1..=MOST_DEGREE)
+            .filter(|degree| *degree == 1 || WINDS_A_COEFFICIENT * count(*degree) as f64 <= whole.len() as f64);
         let fits = tried.filter_map(|degree| HarmonicFit::of(&towards, &shares, degree));
         let best = fits.min_by(|a, b| a.left.norm_squared().total_cmp(&b.left.norm_squared()));
-        let best = best.ok_or_else(|| CombineError("the winds do not determine how the instruments answer".to_owned()))?;
+        let best =
+            best.ok_or_else(|| CombineError("the winds do not determine how the instruments answer".to_owned()))?;
         let mut column = 0;
         let mut instruments = Vec::new();
         for (name, axes) in names.iter().zip(axes) {
-            let coefficients = (column..column + axes.len()).map(|k| best.coefficients.column(k).iter().copied().collect());
+            let coefficients =
+                (column..column + axes.len()).map(|k| best.coefficients.column(k).iter().copied().collect());
             let coefficients: Vec<Vec<f64>> = coefficients.collect();
             column += axes.len();
             instruments.push(InstrumentAnswer { name: name.clone(), axes, coefficients });
         }
         let speeds = whole.iter().map(|of| length(of.wind_m_s));
-        let left = towards.iter().enumerate().map(|(row, towards)| LeftOver {
-            towards: *towards,
-            shares: best.left.row(row).iter().copied().collect(),
-        });
+        let left = towards
+            .iter()
+            .enumerate()
+            .map(|(row, towards)| LeftOver { towards: *towards, shares: best.left.row(row).iter().copied().collect() });
         Ok(Self {
             made_from: String::new(),
             degree: best.degree,
@@ -173,7 +174,13 @@ fn axes(winds: &[&KnownWind], instrument: usize) -> Vec<[f64; 3]> {
 fn spread(winds: &[&KnownWind]) -> Result<(), CombineError> {
     const WIDEST_DEG: f64 = 60.0;
     let nearest = |direction: &[f64; 3]| {
-        winds.iter().map(|of| dot(unit(of.wind_m_s), *direction)).fold(-1.0, f64::max).clamp(-1.0, 1.0).acos().to_degrees()
+        winds
+            .iter()
+            .map(|of| dot(unit(of.wind_m_s), *direction))
+            .fold(-1.0, f64::max)
+            .clamp(-1.0, 1.0)
+            .acos()
+            .to_degrees()
     };
     let worst = super::harmonics::even_directions(200).into_iter().map(|of| (nearest(&of), of));
     let (off, [x, y, z]) = worst.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default();

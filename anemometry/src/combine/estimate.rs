@@ -147,12 +147,7 @@ impl<'a> Combiner<'a> {
         read.iter().zip(variances).map(|(of, variance)| (of.value_m_s - answers[of.place]).powi(2) / variance).sum()
     }
 
-    fn equations(
-        &self,
-        read: &[ReadComponent],
-        variances: &[f64],
-        wind: Vector3<f64>,
-    ) -> (Matrix3<f64>, Vector3<f64>) {
+    fn equations(&self, read: &[ReadComponent], variances: &[f64], wind: Vector3<f64>) -> (Matrix3<f64>, Vector3<f64>) {
         let by = STEP * wind.norm();
         let here = self.answers(wind);
         let beside: [[Vec<f64>; 2]; 3] = std::array::from_fn(|k| {

@@ -23,6 +23,7 @@
 //! | [`harmonics`] | spherical harmonics |
 //! | [`combination`] | the fit, and the file of it |
 //! | [`estimate`] | the wind |
+//! | [`report`] | errors, as text and as JSON |
 //!
 //! *Limits.* Answers are taken to grow with the speed; what they do besides is part of s.
 
@@ -30,6 +31,7 @@ pub mod combination;
 pub mod estimate;
 pub mod harmonics;
 pub mod readings;
+pub mod report;
 
-pub use combination::{CombineError, Combination};
+pub use combination::{Combination, CombineError};
 pub use estimate::CombinedWind;

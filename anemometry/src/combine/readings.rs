@@ -32,6 +32,7 @@ pub struct CombinedReadings {
 }
 
 /// A steady wind, with the means of the instruments.
+#[derive(Debug, Clone)]
 pub struct KnownWind {
     /// m/s
     pub wind_m_s: [f64; 3],
@@ -82,9 +83,8 @@ impl CombinedReadings {
         while begin < self.time_s.len() {
             let same = |row: &usize| self.events[*row] == self.events[begin];
             let end = (begin..self.time_s.len()).take_while(same).count() + begin;
-            let counts = |row: &usize| {
-                self.time_s[*row] >= from_s && self.time_s[*row] >= self.time_s[begin] + settle_s
-            };
+            let counts =
+                |row: &usize| self.time_s[*row] >= from_s && self.time_s[*row] >= self.time_s[begin] + settle_s;
             let rows: Vec<usize> = (begin..end).filter(counts).collect();
             let wind_m_s = rows.first().and_then(|row| self.true_wind_m_s[*row]);
             if let Some(wind_m_s) = wind_m_s.filter(|of| length(*of) > 0.0) {

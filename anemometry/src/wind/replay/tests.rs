@@ -10,8 +10,14 @@ fn head() -> Head {
 fn recording(folder: &Path, times_s: &[f64], period: Option<&str>) -> PathBuf {
     let path = folder.join("r.parquet");
     let elements: Vec<String> = head().names().into_iter().map(str::to_owned).collect();
-    let layout =
-        RecordingLayout { elements, true_wind: false, gas: false, observed: Vec::new(), estimates: Vec::new() };
+    let layout = RecordingLayout {
+        elements,
+        true_wind: false,
+        gas: false,
+        observed: Vec::new(),
+        estimates: Vec::new(),
+        combined_wind: false,
+    };
     let metadata: Metadata =
         period.map(|period| ("sample_period_s".to_owned(), period.to_owned())).into_iter().collect();
     let mut writer = RecordingWriter::create(&path, layout, &metadata).unwrap();

@@ -52,6 +52,7 @@ fn recorded(experiment: &Experiment) -> Result<QuiescentRecord, StudyError> {
         gas: false,
         observed: Vec::new(),
         estimates: Vec::new(),
+        combined_wind: false,
     };
     let mut known: Metadata = experiment.conditions().to_metadata();
     known.push(("head".to_owned(), experiment.head.source.text.clone()));

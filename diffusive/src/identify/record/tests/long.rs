@@ -91,6 +91,7 @@ fn a_long_recording_passes_in_the_memory_of_some_blocks() {
         gas: false,
         observed: Vec::new(),
         estimates: Vec::new(),
+        combined_wind: false,
     };
     let mut writer = RecordingWriter::create(&temp.path, layout, &Metadata::new()).unwrap();
     let mut noise = 1_u32;
