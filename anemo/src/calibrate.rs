@@ -64,7 +64,7 @@ pub struct Arguments {
     network: Option<PathBuf>,
     /// Of tables without a network: in what time the temperature of a surface follows a step of its
     /// power in still gas, s.
-    #[arg(long, value_name = "SECONDS", conflicts_with_all = ["network", "elements"])]
+    #[arg(long, value_name = "SECONDS", conflicts_with = "network")]
     time_constant: Option<f64>,
     /// The head; by default the one that the first recording carries. Elements with a `normal` are
     /// its surfaces: outward of a sphere or a cylinder, of a wire across it towards the wind.
@@ -105,9 +105,10 @@ pub struct Arguments {
     /// Exponent of King's law, if it is known; else it is fitted.
     #[arg(long, value_name = "M")]
     exponent: Option<f64>,
-    /// Four dice of one card in a square, instead of a sphere, in winds of the card's plane: the
-    /// two at the tip (+x), the second around the boom from the first, then the two behind, each
-    /// beside the one before it.
+    /// Which elements with a `normal` are the surfaces; by default all of them. Four of one normal
+    /// are the dice of one card in a square, in winds of the card's plane: the two at the tip (+x),
+    /// the second around the boom from the first, then the two behind, each beside the one before
+    /// it.
     #[arg(long, value_name = "ELEMENT", value_delimiter = ',')]
     elements: Vec<String>,
     /// Side of a die, mm.
@@ -124,7 +125,13 @@ pub struct Arguments {
 impl Arguments {
     fn options(&self) -> DrawnOptions {
         let metres = |mm: Option<f64>| mm.map(|mm| mm * 1e-3);
-        DrawnOptions { form: self.form, diameter_m: metres(self.diameter_mm), length_m: metres(self.length_mm) }
+        DrawnOptions {
+            elements: self.elements.clone(),
+            form: self.form,
+            diameter_m: metres(self.diameter_mm),
+            length_m: metres(self.length_mm),
+            die_m: self.die_mm * 1e-3,
+        }
     }
 
     fn law(&self) -> Result<Option<LossLaw>, Failure> {
@@ -208,13 +215,11 @@ fn calibrator<'a>(arguments: &Arguments, head: &'a Head, tables: &[SteadyTable])
         (None, [table, ..], Some(time_constant_s)) => NetworkSource::Table { table, time_constant_s },
         (None, ..) => return Err(Failure::usage("--network is missing: recordings need it")),
     };
-    let calibrator = match &arguments.elements[..] {
-        [] => Calibrator::new(head, network, &arguments.options(), arguments.law()?),
-        elements => Calibrator::card(head, network, elements, arguments.die_mm * 1e-3),
-    };
-    calibrator.map_err(|error| match (error, &arguments.network) {
-        (error @ CalibratorError::Options(_), _) | (error, None) => Failure::usage(error),
-        (error, Some(path)) => Failure::in_file(path, error),
+    Calibrator::new(head, network, &arguments.options(), arguments.law()?).map_err(|error| {
+        match (error, &arguments.network) {
+            (error @ CalibratorError::Options(_), _) | (error, None) => Failure::usage(error),
+            (error, Some(path)) => Failure::in_file(path, error),
+        }
     })
 }
 

@@ -6,22 +6,24 @@ use crate::output::Failure;
 use crate::picture::PictureArguments;
 use crate::recorded::RecordingOutputs;
 use anemometry::combine::estimate::Combiner;
-use anemometry::combine::readings::CombinedReadings;
-use anemometry::combine::report::{CombinedReport, compared, fit};
+use anemometry::combine::readings::{CombinedReadings, RowsThatCount};
+use anemometry::combine::report::{CombinedReport, fit};
+use anemometry::combine::vane::Vane;
 use anemometry::combine::{Combination, CombinedWind};
 use anemometry::vector::length;
 use anemometry::wind::given_winds;
 use dr_core::wind::QualityFlags;
+use recording::text::count;
 use recording::{Metadata, RecordingLayout, RecordingRow, WriterOptions, check_name, wind};
 
-/// Combine instruments that each see a part of the wind: cards round a boom, booms, cylinders or
-/// wires on different axes.
+/// Combine instruments that each see a part of the wind: cards or boards round a boom, booms,
+/// cylinders or wires on different axes, a vane.
 ///
-/// The files are those of `anemo wind`, one an instrument. In known winds from everywhere (a
-/// simulated tunnel, or --winds) it learns how each instrument answers to them, its shadows
-/// included, and what is left by direction. With --by it estimates other winds from that: the
-/// vector that is likeliest for all of them. An instrument in the lee counts for less. Errors are
-/// cross-validated.
+/// The files are those of `anemo wind`, one an instrument; a single element knows the speed only.
+/// In known winds from everywhere, or all around a plane (a tunnel, simulated or with --winds), it
+/// learns how each instrument answers, its shadows included, and what is left by direction. With
+/// --by it estimates other winds from that: the vector that is likeliest for all of them. An
+/// instrument in the lee counts for less. Errors are cross-validated.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -33,11 +35,17 @@ Examples:
   anemo combine known1.parquet known2.parquet known3.parquet --from 600 \\
       --settle 10 -o boom.json
   anemo combine card1.parquet card2.parquet card3.parquet --by boom.json \\
-      --from 600 --settle 10 -o wind.parquet --plot wind.svg")]
+      --from 600 --settle 10 -o wind.parquet --plot wind.svg
+  anemo combine needles.parquet --from 180 --settle 5 -o lander.json \\
+      --vane winds.parquet=junction1,junction2,junction3,junction4")]
 pub struct Arguments {
     /// Files of `anemo wind`, one an instrument, in the same order every time.
     #[arg(required = true, value_name = "WINDS")]
     instruments: Vec<PathBuf>,
+    /// A recording and elements of it that sense the wake of a warm core: three or more that stand
+    /// evenly round it, in their order. They know the direction only.
+    #[arg(long = "vane", value_name = "FILE=NAME,NAME,…")]
+    vanes: Vec<Vane>,
     /// Estimate winds by this combination, instead of making one.
     #[arg(long, value_name = "FILE")]
     by: Option<PathBuf>,
@@ -64,33 +72,49 @@ pub struct Arguments {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     crate::output::finite(&[("--from", Some(arguments.from)), ("--settle", Some(arguments.settle))])?;
-    let read = arguments.instruments.iter().chain(&arguments.by).chain(&arguments.winds);
+    let vanes = arguments.vanes.iter().map(|vane| &vane.recording);
+    let read = arguments.instruments.iter().chain(vanes).chain(&arguments.by).chain(&arguments.winds);
     let read: Vec<&Path> = read.map(PathBuf::as_path).collect();
     crate::output::keep(&read, &[arguments.output.as_deref(), arguments.picture.path()])?;
+    match (&arguments.by, arguments.output.as_deref()) {
+        (None, _) if arguments.picture.path().is_some() => return Err(Failure::usage("--plot is of winds, with --by")),
+        (None, Some(path)) => crate::output::writable(path, "a combination", "json")?,
+        (Some(_), Some(path)) => check_name(path).map_err(Failure::usage)?,
+        (_, None) => {}
+    }
+    let combination = arguments.by.as_deref().map(|by| combination_of(by, arguments)).transpose()?;
     let table = arguments.winds.as_deref().map(given_winds::read).transpose().map_err(Failure::usage)?;
-    match &arguments.by {
-        None => {
-            make(arguments, &|| CombinedReadings::read(&arguments.instruments, table.as_ref()).map_err(Failure::usage))
-        }
-        Some(by) => estimate(arguments, by, &|| {
-            CombinedReadings::read(&arguments.instruments, table.as_ref()).map_err(Failure::usage)
-        }),
+    let readings = CombinedReadings::read(&arguments.instruments, &arguments.vanes, table.as_ref());
+    let readings = readings.map_err(Failure::usage)?;
+    match combination {
+        None => make(arguments, &readings),
+        Some(combination) => estimate(arguments, &combination, &readings),
     }
 }
 
-type Read<'a> = &'a dyn Fn() -> Result<CombinedReadings, Failure>;
+/// The combination of a file, of as many instruments as are given.
+fn combination_of(by: &Path, arguments: &Arguments) -> Result<Combination, Failure> {
+    let text = std::fs::read_to_string(by).map_err(|error| Failure::in_file(by, error))?;
+    let combination: Combination = serde_json::from_str(&text)
+        .map_err(|error| Failure::in_file(by, format!("is no combination of `anemo combine`: {error}")))?;
+    let (files, vanes) = (arguments.instruments.len(), arguments.vanes.len());
+    let wanted_vanes = combination.instruments.iter().filter(|of| of.is_direction).count();
+    let wanted_files = combination.instruments.len() - wanted_vanes;
+    if (wanted_files, wanted_vanes) != (files, vanes) {
+        let of = |files, vanes| format!("{} and {}", count(files, "file"), count(vanes, "vane"));
+        let sentence = format!("is of {}, and {} are given", of(wanted_files, wanted_vanes), of(files, vanes));
+        return Err(Failure::usage(format!("{}: {sentence}", by.display())));
+    }
+    Ok(combination)
+}
 
-fn make(arguments: &Arguments, read: Read<'_>) -> Result<(), Failure> {
-    if arguments.picture.path().is_some() {
-        return Err(Failure::usage("--plot is of winds, with --by"));
-    }
-    if let Some(path) = &arguments.output {
-        crate::output::writable(path, "a combination", "json")?;
-    }
-    let stem = |path: &PathBuf| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let names: Vec<String> = arguments.instruments.iter().map(stem).collect();
+const fn counting(arguments: &Arguments) -> RowsThatCount {
+    RowsThatCount { from_s: arguments.from, settle_s: arguments.settle }
+}
+
+fn make(arguments: &Arguments, readings: &CombinedReadings) -> Result<(), Failure> {
     let (combination, mut report) =
-        fit(&names, &read()?.known(arguments.from, arguments.settle)).map_err(Failure::work)?;
+        fit(&readings.names, &readings.known(counting(arguments))).map_err(Failure::work)?;
     if let Some(path) = &arguments.output {
         let text = serde_json::to_string_pretty(&combination).map_err(Failure::work)?;
         crate::output::write_text(path, &(text + "\n"))?;
@@ -99,21 +123,11 @@ fn make(arguments: &Arguments, read: Read<'_>) -> Result<(), Failure> {
     crate::output::print_report(&report, arguments.json)
 }
 
-fn estimate(arguments: &Arguments, by: &Path, read: Read<'_>) -> Result<(), Failure> {
-    arguments.output.as_deref().map_or(Ok(()), check_name).map_err(Failure::usage)?;
-    let text = std::fs::read_to_string(by).map_err(|error| Failure::in_file(by, error))?;
-    let combination: Combination = serde_json::from_str(&text)
-        .map_err(|error| Failure::in_file(by, format!("is no combination of `anemo combine`: {error}")))?;
-    let (wanted, given) = (combination.instruments.len(), arguments.instruments.len());
-    if wanted != given {
-        let sentence = format!("is of {wanted} instruments, and {given} files are given");
-        return Err(Failure::usage(format!("{}: {sentence}", by.display())));
-    }
-    let readings = read()?;
+fn estimate(arguments: &Arguments, combination: &Combination, readings: &CombinedReadings) -> Result<(), Failure> {
     let true_wind = readings.true_wind_m_s.iter().any(Option::is_some);
     let layout = RecordingLayout { true_wind, combined_wind: true, ..RecordingLayout::default() };
     let metadata: Metadata = [
-        ("title", format!("wind by {given} instruments")),
+        ("title", format!("wind by {}", readings.names.join(", "))),
         ("combined_by", combination.made_from.clone()),
         ("software", format!("anemo {}", env!("CARGO_PKG_VERSION"))),
     ]
@@ -122,7 +136,7 @@ fn estimate(arguments: &Arguments, by: &Path, read: Read<'_>) -> Result<(), Fail
     let options = WriterOptions::default();
     let mut outputs =
         RecordingOutputs::create(arguments.output.as_deref(), &arguments.picture, layout, &metadata, &options)?;
-    let combiner = Combiner::new(&combination);
+    let combiner = Combiner::new(combination);
     let mut estimates = Vec::with_capacity(readings.time_s.len());
     for (row, of) in readings.readings.iter().enumerate() {
         let found = combiner.estimate(of);
@@ -136,43 +150,30 @@ fn estimate(arguments: &Arguments, by: &Path, read: Read<'_>) -> Result<(), Fail
             state: "",
             true_wind_m_s: true_wind.then(|| readings.true_wind_m_s[row].unwrap_or([f64::NAN; 3])),
             gas_temperature_c: None,
-            estimate: &numbers(found.as_ref(), &combination),
+            estimate: &numbers(found.as_ref(), combination),
         };
         outputs.push(&row).map_err(Failure::work)?;
         estimates.push(found);
     }
     outputs.finish(&Metadata::new())?;
-    let report = CombinedReport {
-        made_from: combination.made_from.clone(),
-        rows: estimates.len(),
-        failed: estimates.iter().filter(|of| of.is_none()).count(),
-        ambiguous: estimates.iter().flatten().filter(|of| of.is_ambiguous).count(),
-        comparison: compared(&readings, &estimates, arguments.from, arguments.settle),
-        written: [arguments.output.as_deref(), arguments.picture.path()]
-            .into_iter()
-            .flatten()
-            .map(Path::to_owned)
-            .collect(),
-    };
+    let mut report = CombinedReport::new(combination, readings, &estimates, counting(arguments));
+    let written = [arguments.output.as_deref(), arguments.picture.path()];
+    report.written = written.into_iter().flatten().map(Path::to_owned).collect();
     crate::output::print_report(&report, arguments.json)
 }
 
 /// A row's numbers, in the order of [`wind::COMBINED`].
-fn numbers(found: Option<&CombinedWind>, combination: &Combination) -> [f32; 8] {
+fn numbers(found: Option<&CombinedWind>, combination: &Combination) -> [f32; wind::COMBINED.len()] {
     let Some(found) = found else {
-        let mut none = [f32::NAN; 8];
-        none[7] = f32::from(QualityFlags::FAILED.0);
-        return none;
+        const NONE: f64 = f64::NAN;
+        return [NONE, NONE, NONE, NONE, NONE, NONE, NONE, f64::from(QualityFlags::FAILED.0)].map(|of| of as f32);
     };
     let speed_m_s = length(found.wind_m_s);
     let [least, most] = combination.speeds_m_s;
     let flags = QualityFlags::default()
         .with(QualityFlags::AMBIGUOUS, found.is_ambiguous)
         .with(QualityFlags::EXTRAPOLATED, !(least..=most).contains(&speed_m_s));
-    let [x, y, z] = found.wind_m_s;
-    let numbers = [x, y, z, speed_m_s, found.speed_u_m_s, found.direction_u_rad.to_degrees(), found.chi_square];
-    let mut row = [0.0; wind::COMBINED.len()];
-    row.iter_mut().zip(numbers).for_each(|(cell, number)| *cell = number as f32);
-    row[7] = f32::from(flags.0);
-    row
+    let ([x, y, z], direction_u_deg) = (found.wind_m_s, found.direction_u_rad.to_degrees());
+    let flags = f64::from(flags.0);
+    [x, y, z, speed_m_s, found.speed_u_m_s, direction_u_deg, found.chi_square, flags].map(|of| of as f32)
 }

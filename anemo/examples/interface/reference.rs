@@ -15,7 +15,7 @@ struct Page {
     commands: &'static [&'static str],
 }
 
-const PAGES: [Page; 3] = [
+const PAGES: [Page; 4] = [
     Page {
         file: "command-line.md",
         kind: "instruments",
@@ -41,10 +41,16 @@ const PAGES: [Page; 3] = [
         commands: &["identify", "merge", "validate", "export", "reduce", "analyse", "design", "predict", "example"],
     },
     Page {
+        file: "command-line-heads.md",
+        kind: "heads",
+        about: "Begin a head, check it, and calibrate it.",
+        commands: &["head", "calibrate"],
+    },
+    Page {
         file: "command-line-wind.md",
         kind: "wind",
-        about: "Calibrate a head, estimate the wind, and measure how well this does.",
-        commands: &["head", "calibrate", "wind", "benchmark", "thesis"],
+        about: "Estimate the wind, and measure how well this does.",
+        commands: &["wind", "combine", "benchmark", "thesis"],
     },
 ];
 

@@ -2,6 +2,7 @@
 
 mod ambient;
 mod cli;
+mod combine;
 mod examples;
 mod export;
 mod head;

@@ -2,12 +2,12 @@
 
 use dr_core::wind::{HeadForm, SurfaceConfig};
 use recording::RecordingError;
-use recording::text::{count, suggest};
+use recording::text::count;
 
 use super::card::drawn::DrawnCard;
 use super::card::{self, calibration::CardCalibration};
 use super::cross_validation::{CrossValidation, Scheme};
-use super::drawn::{DrawnOptions, drawn};
+use super::drawn::{DrawnOptions, drawn, named};
 use super::error::{CalibrateError, CalibratorError};
 use super::steady_table::SteadyTable;
 use super::steady_wind::SteadyWind;
@@ -90,8 +90,10 @@ pub enum CalibrationResult {
 }
 
 impl<'a> Calibrator<'a> {
-    /// For the elements of a head that have a normal. Without a `law` that one is taken whose
-    /// held-out speeds are better.
+    /// For the elements of a head that have a normal, or the named ones of them; for the card of
+    /// four dice if these are four with one normal: the two at the tip, the second of them around
+    /// the boom from the first, then the two behind, each beside the one before it. Without a
+    /// `law` that one is taken whose held-out speeds are better.
     ///
     /// # Errors
     /// If the normals are those of no head, or the network is not one of it.
@@ -101,6 +103,13 @@ impl<'a> Calibrator<'a> {
         options: &DrawnOptions,
         law: Option<LossLaw>,
     ) -> Result<Self, CalibratorError> {
+        if let Some((places, drawn)) = card(head, options)? {
+            if matches!(network, NetworkSource::Table { .. }) {
+                let sentence = "dice of one card warm each other: in place of --time-constant they need --network";
+                return Err(CalibratorError::Options(sentence.to_owned()));
+            }
+            return Self::of(head, network, places, None, (DrawnHead::Card(drawn), None));
+        }
         let (places, drawn) = drawn(head, options, law.unwrap_or(LossLaw::Spline))?;
         if matches!(law, Some(LossLaw::King { .. })) && !has_law(drawn.form) {
             let sentence =
@@ -109,21 +118,6 @@ impl<'a> Calibrator<'a> {
         }
         let reference = head.elements.iter().position(|element| element.name == recording::REFERENCE);
         Self::of(head, network, places, reference, (DrawnHead::Surfaces(drawn), law))
-    }
-
-    /// For the card of four dice: the two at the tip, the second of them around the boom from the
-    /// first, then the two behind, each beside the one before it.
-    ///
-    /// # Errors
-    /// If the elements are not the dice of one card, or the network is not one of the head.
-    pub fn card(
-        head: &'a Head,
-        network: NetworkSource<'_>,
-        elements: &[String],
-        side_m: f64,
-    ) -> Result<Self, CalibratorError> {
-        let (places, drawn) = dice(head, elements, side_m)?;
-        Self::of(head, network, places, None, (DrawnHead::Card(drawn), None))
     }
 
     fn of(
@@ -311,27 +305,19 @@ impl CalibrationResult {
     }
 }
 
-/// Places in the head, and the card that they are on.
-fn dice(head: &Head, elements: &[String], side_m: f64) -> Result<(Vec<usize>, DrawnCard), CalibratorError> {
-    let refuse = |sentence: String| CalibratorError::Options(format!("--elements{sentence}"));
-    if elements.len() != 4 {
-        return Err(refuse(format!(" names {}: four dice of one card belong there", elements.len())));
-    }
-    let names = head.names();
-    let place = |name: &String| {
-        names.iter().position(|known| known == name).ok_or_else(|| {
-            let hint = suggest(name, names.iter().copied());
-            refuse(format!(": `{name}` is no element of head `{}`; {hint}", head.name))
-        })
-    };
-    let places = elements.iter().map(place).collect::<Result<Vec<_>, _>>()?;
+/// Places in the head, and the card that they are on, if the named elements are of one.
+fn card(head: &Head, options: &DrawnOptions) -> Result<Option<(Vec<usize>, DrawnCard)>, CalibratorError> {
+    let places = named(head, &options.elements)?;
     let normals: Vec<_> = places.iter().filter_map(|&place| head.elements[place].normal).collect();
-    match normals.first() {
-        Some(normal) if normals.len() == 4 && normals.iter().all(|other| other == normal) => {
-            Ok((places, DrawnCard { side_m, normal: *normal, tip: TIP }))
-        }
-        _ => Err(refuse(": dice of one card have the same outward `normal` in the head".to_owned())),
+    let Some(normal) = normals.first().filter(|normal| normals.len() > 1 && normals.iter().all(|of| of == *normal))
+    else {
+        return Ok(None);
+    };
+    if places.len() != 4 {
+        let sentence = format!("--elements names {} with one `normal`: a card has four dice", places.len());
+        return Err(CalibratorError::Options(sentence));
     }
+    Ok(Some((places, DrawnCard { side_m: options.die_m, normal: *normal, tip: TIP })))
 }
 
 #[cfg(test)]

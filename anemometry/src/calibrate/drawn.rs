@@ -3,6 +3,7 @@
 use dr_core::ConfigError;
 use dr_core::wind::nusselt::ORDERS;
 use dr_core::wind::{HeadForm, MOST_SURFACES, NusseltSurface, SurfaceConfig, sphere};
+use recording::text::suggest;
 use std::f64::consts::PI;
 
 use super::error::CalibratorError;
@@ -19,14 +20,24 @@ const USUAL_M: f64 = 0.01;
 const POINTS: usize = 200_000;
 
 /// What is stated of a head beside its file.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct DrawnOptions {
+    /// Names of its surfaces; none for all elements with a normal.
+    pub elements: Vec<String>,
     /// What its surfaces belong to; by default what their normals and its body say.
     pub form: Option<HeadForm>,
     /// Diameter of sphere, cylinder or wire, m.
     pub diameter_m: Option<f64>,
     /// Length of cylinder or wires, m.
     pub length_m: Option<f64>,
+    /// Side of a die, if they are those of a card, m.
+    pub die_m: f64,
+}
+
+impl Default for DrawnOptions {
+    fn default() -> Self {
+        Self { elements: Vec::new(), form: None, diameter_m: None, length_m: None, die_m: 1.5e-3 }
+    }
 }
 
 /// Form and sizes that the head's body states.
@@ -53,7 +64,34 @@ impl StatedBody {
     }
 }
 
-/// Places in the head and geometry of its surfaces: the driven elements with an outward normal.
+/// Places of elements in a head, in the order of their names.
+///
+/// # Errors
+/// If a name is of none, or stands twice.
+pub fn named(head: &Head, elements: &[String]) -> Result<Vec<usize>, CalibratorError> {
+    let names = head.names();
+    let mut places = Vec::new();
+    for name in elements {
+        let place = names.iter().position(|known| known == name).ok_or_else(|| {
+            let hint = suggest(name, names.iter().copied());
+            CalibratorError::Options(format!("--elements: `{name}` is no element of head `{}`; {hint}", head.name))
+        })?;
+        if places.contains(&place) {
+            return Err(CalibratorError::Options(format!("--elements names `{name}` twice")));
+        }
+        if head.elements[place].surface_normal().is_none() {
+            return Err(CalibratorError::Options(format!(
+                "--elements: `{name}` of head `{}` is no surface: it has no `normal`, or only senses",
+                head.name
+            )));
+        }
+        places.push(place);
+    }
+    Ok(places)
+}
+
+/// Places in the head and geometry of its surfaces: the driven elements with an outward normal, or
+/// the named ones of them.
 ///
 /// # Errors
 /// If they are none, too many, or not those of the form.
@@ -62,8 +100,12 @@ pub fn drawn(
     options: &DrawnOptions,
     law: LossLaw,
 ) -> Result<(Vec<usize>, DrawnSurfaces), CalibratorError> {
+    let places = match &options.elements[..] {
+        [] => (0..head.elements.len()).collect(),
+        names => named(head, names)?,
+    };
     let outward: Vec<(usize, [f64; 3])> =
-        head.elements.iter().enumerate().filter_map(|(at, of)| Some((at, of.surface_normal()?))).collect();
+        places.into_iter().filter_map(|at| Some((at, head.elements[at].surface_normal()?))).collect();
     let normals: Vec<[f64; 3]> = outward.iter().map(|(_, normal)| *normal).collect();
     let refuse = |sentence: String| CalibratorError::Head(format!("head `{}` {sentence}", head.name));
     if normals.is_empty() || normals.len() > MOST_SURFACES {
@@ -89,7 +131,10 @@ pub fn drawn(
     let configs = surfaces_of(form, &normals, diameter_m, length_m);
     let configs = configs.map_err(|error| refuse(format!("has surfaces that cannot be: {error}")))?;
     if form == HeadForm::Single && normals.len() > 1 {
-        return Err(refuse(format!("has {} elements with a `normal`, and a single element is one", normals.len())));
+        return Err(refuse(format!(
+            "has {} elements with a `normal`, and a single element is one: --elements NAME says which",
+            normals.len()
+        )));
     }
     let surfaces = outward
         .iter()

@@ -3,20 +3,23 @@
 use nalgebra::{DMatrix, Matrix3, SymmetricEigen, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::harmonics::{count, harmonics};
 use super::readings::{InstrumentReading, KnownWind};
-use crate::vector::{dot, length, unit};
+use super::space::WindSpace;
+use crate::vector::{angle_deg, dot, length, unit};
+use recording::text;
 
-/// Degrees that are tried.
-const MOST_DEGREE: usize = 8;
-/// Winds a coefficient, at least.
-const WINDS_A_COEFFICIENT: f64 = 1.5;
+/// Winds a function, at least.
+const WINDS_A_FUNCTION: f64 = 1.5;
 /// A component whose size is a smaller share of the greatest is none.
 const NO_COMPONENT: f64 = 1e-3;
 /// What is never known better of a component, of the speed.
 const LEAST_SHARE: f64 = 1e-3;
 /// Residuals count for a direction by e^(κ (cos − 1)): those within 25°.
 const CONCENTRATION: f64 = 10.0;
+/// Directions among which a gap between the known winds is sought.
+const SOUGHT: usize = 200;
+/// The widest way from there to the nearest known wind, °.
+const WIDEST_DEG: f64 = 60.0;
 
 /// Why instruments cannot be combined: a sentence.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -29,13 +32,15 @@ pub struct CombineError(pub String);
 pub struct Combination {
     /// Winds and errors, in words.
     pub made_from: String,
-    /// Of the harmonics.
+    /// Where the winds are from.
+    pub space: WindSpace,
+    /// Of the functions of the direction.
     pub degree: usize,
     /// Least and greatest speed of the winds, m/s.
     pub speeds_m_s: [f64; 2],
     /// One an instrument, in the order of the files.
     pub instruments: Vec<InstrumentAnswer>,
-    /// What the harmonics leave of known winds that were left out.
+    /// What these leave of known winds that were left out.
     pub left: Vec<LeftOver>,
 }
 
@@ -45,6 +50,8 @@ pub struct Combination {
 pub struct InstrumentAnswer {
     /// Name of its file, without the ending.
     pub name: String,
+    /// Whether it knows no speed.
+    pub is_direction: bool,
     /// Directions in its frame in which it has estimates, one to three.
     pub axes: Vec<[f64; 3]>,
     /// By axis: c.
@@ -65,60 +72,55 @@ impl Combination {
     /// Fits instruments to known winds.
     ///
     /// # Errors
-    /// If there are too few winds, or they are not from everywhere.
+    /// If there are too few winds, they are not from everywhere or all around a plane, or the
+    /// instruments do not see enough of them.
     pub fn fit(names: &[String], known: &[KnownWind]) -> Result<Self, CombineError> {
         let whole: Vec<&KnownWind> = known.iter().filter(|of| of.readings.iter().all(Option::is_some)).collect();
-        let least = (WINDS_A_COEFFICIENT * count(1) as f64).ceil() as usize;
-        if whole.len() < least {
-            return Err(CombineError(format!(
-                "{} known winds have estimates of all instruments, and at least {least} are needed, from everywhere; 100 do well",
-                whole.len()
-            )));
-        }
-        spread(&whole)?;
-        let axes: Vec<Vec<[f64; 3]>> = (0..names.len()).map(|i| axes(&whole, i)).collect();
-        if let Some(none) = axes.iter().position(Vec::is_empty) {
-            return Err(CombineError(format!("{} estimates no wind at all", names[none])));
-        }
-        let components: usize = axes.iter().map(Vec::len).sum();
-        if components < 3 {
-            return Err(CombineError(format!(
-                "all instruments together have {components} components of the wind, and a vector has 3"
-            )));
-        }
         let towards: Vec<[f64; 3]> = whole.iter().map(|of| unit(of.wind_m_s)).collect();
-        let shares = DMatrix::from_fn(whole.len(), components, |row, column| {
-            let (mut place, of) = (column, whole[row]);
-            for (axes, reading) in axes.iter().zip(&of.readings) {
-                match axes.get(place) {
-                    Some(axis) => return along(reading, *axis) / length(of.wind_m_s),
-                    None => place -= axes.len(),
-                }
-            }
-            0.0
-        });
-        let tried = (1..=MOST_DEGREE)
-            .filter(|degree| *degree == 1 || WINDS_A_COEFFICIENT * count(*degree) as f64 <= whole.len() as f64);
-        let fits = tried.filter_map(|degree| HarmonicFit::of(&towards, &shares, degree));
+        let space = WindSpace::of(&towards);
+        let enough = |degree: usize| WINDS_A_FUNCTION * space.count(degree) as f64 <= whole.len() as f64;
+        if !enough(1) {
+            return Err(CombineError(format!(
+                "{} known winds of {} have estimates of all instruments; 100 do well, from everywhere or all around a plane",
+                whole.len(),
+                known.len()
+            )));
+        }
+        spread(space, &towards)?;
+        let axes: Vec<Vec<[f64; 3]>> = (0..names.len()).map(|i| axes(&whole, i)).collect();
+        let components: usize = axes.iter().map(Vec::len).sum();
+        if components < space.dimensions() {
+            return Err(CombineError(format!(
+                "all instruments together have {}, and these winds have {}",
+                text::count(components, "component"),
+                space.dimensions()
+            )));
+        }
+        let shares: Vec<Vec<f64>> = whole.iter().map(|of| shares_of(of, &axes)).collect();
+        let shares = DMatrix::from_fn(whole.len(), components, |row, k| shares[row][k]);
+        let fits = (1..=space.most_degree()).filter(|degree| enough(*degree));
+        let fits = fits.filter_map(|degree| DirectionFit::of(space, &towards, &shares, degree));
         let best = fits.min_by(|a, b| a.left.norm_squared().total_cmp(&b.left.norm_squared()));
         let best =
             best.ok_or_else(|| CombineError("the winds do not determine how the instruments answer".to_owned()))?;
-        let mut column = 0;
-        let mut instruments = Vec::new();
-        for (name, axes) in names.iter().zip(axes) {
-            let coefficients =
-                (column..column + axes.len()).map(|k| best.coefficients.column(k).iter().copied().collect());
-            let coefficients: Vec<Vec<f64>> = coefficients.collect();
-            column += axes.len();
-            instruments.push(InstrumentAnswer { name: name.clone(), axes, coefficients });
+        let mut columns = best.coefficients.column_iter().map(|of| of.iter().copied().collect());
+        let answer =
+            |((name, axes), reading): ((&String, Vec<[f64; 3]>), &Option<InstrumentReading>)| InstrumentAnswer {
+                name: name.clone(),
+                is_direction: reading.is_some_and(|of| of.is_direction),
+                coefficients: columns.by_ref().take(axes.len()).collect(),
+                axes,
+            };
+        let instruments: Vec<_> = names.iter().zip(axes).zip(&whole[0].readings).map(answer).collect();
+        if instruments.iter().all(|of| of.is_direction) {
+            return Err(CombineError("no instrument knows a speed".to_owned()));
         }
         let speeds = whole.iter().map(|of| length(of.wind_m_s));
-        let left = towards
-            .iter()
-            .enumerate()
-            .map(|(row, towards)| LeftOver { towards: *towards, shares: best.left.row(row).iter().copied().collect() });
+        let left = towards.iter().zip(best.left.row_iter());
+        let left = left.map(|(towards, row)| LeftOver { towards: *towards, shares: row.iter().copied().collect() });
         Ok(Self {
             made_from: String::new(),
+            space,
             degree: best.degree,
             speeds_m_s: [speeds.clone().fold(f64::INFINITY, f64::min), speeds.fold(0.0, f64::max)],
             instruments,
@@ -133,7 +135,7 @@ impl Combination {
 
     /// The components in a unit wind in a direction.
     pub fn answers(&self, towards: [f64; 3]) -> Vec<f64> {
-        let values = harmonics(towards, self.degree);
+        let values = self.space.functions(towards, self.degree);
         let sum = |of: &Vec<f64>| of.iter().zip(&values).map(|(c, y)| c * y).sum();
         self.instruments.iter().flat_map(|of| &of.coefficients).map(sum).collect()
     }
@@ -150,9 +152,14 @@ impl Combination {
     }
 }
 
-/// A component of an instrument's estimate, m/s.
-pub(super) fn along(reading: &Option<InstrumentReading>, axis: [f64; 3]) -> f64 {
-    reading.map_or(f64::NAN, |of| dot(of.wind_m_s, axis))
+/// Components of what instruments say in a known wind, of its speed.
+fn shares_of(of: &KnownWind, axes: &[Vec<[f64; 3]>]) -> Vec<f64> {
+    let speed_m_s = length(of.wind_m_s);
+    let share = |reading: &InstrumentReading, axis: &[f64; 3]| {
+        dot(reading.wind_m_s, *axis) / if reading.is_direction { 1.0 } else { speed_m_s }
+    };
+    let each = of.readings.iter().flatten().zip(axes);
+    each.flat_map(|(reading, axes)| axes.iter().map(move |axis| share(reading, axis))).collect()
 }
 
 /// The directions in which an instrument has estimates.
@@ -170,41 +177,33 @@ fn axes(winds: &[&KnownWind], instrument: usize) -> Vec<[f64; 3]> {
     order.into_iter().map(|k| eigen.eigenvectors.column(k).into_owned().into()).collect()
 }
 
-/// Refuses winds that leave a part of the sphere out.
-fn spread(winds: &[&KnownWind]) -> Result<(), CombineError> {
-    const WIDEST_DEG: f64 = 60.0;
-    let nearest = |direction: &[f64; 3]| {
-        winds
-            .iter()
-            .map(|of| dot(unit(of.wind_m_s), *direction))
-            .fold(-1.0, f64::max)
-            .clamp(-1.0, 1.0)
-            .acos()
-            .to_degrees()
-    };
-    let worst = super::harmonics::even_directions(200).into_iter().map(|of| (nearest(&of), of));
-    let (off, [x, y, z]) = worst.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default();
-    if off <= WIDEST_DEG {
+/// Refuses winds that leave a part of the directions out.
+fn spread(space: WindSpace, towards: &[[f64; 3]]) -> Result<(), CombineError> {
+    let nearest_deg = |of: [f64; 3]| towards.iter().map(|known| angle_deg(*known, of)).fold(180.0, f64::min);
+    let all = space.even_directions(SOUGHT).into_iter().map(|of| (nearest_deg(of), of));
+    let (off_deg, [x, y, z]) = all.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default();
+    if off_deg <= WIDEST_DEG {
         return Ok(());
     }
+    let where_from = if space == WindSpace::Everywhere { "from everywhere" } else { "all around their plane" };
     Err(CombineError(format!(
-        "no known wind is within {off:.0}° of one that goes to ({x:.1}, {y:.1}, {z:.1}): winds from everywhere are needed"
+        "no known wind is within {off_deg:.0}° of one that goes to ({x:.1}, {y:.1}, {z:.1}): winds {where_from} are needed"
     )))
 }
 
-/// Least squares by harmonics of one degree.
-struct HarmonicFit {
+/// Least squares by functions of one degree.
+struct DirectionFit {
     degree: usize,
-    /// Harmonic by component.
+    /// Function by component.
     coefficients: DMatrix<f64>,
     /// What is left of each wind where it is left out, by component.
     left: DMatrix<f64>,
 }
 
-impl HarmonicFit {
-    fn of(towards: &[[f64; 3]], shares: &DMatrix<f64>, degree: usize) -> Option<Self> {
-        let rows: Vec<Vec<f64>> = towards.iter().map(|of| harmonics(*of, degree)).collect();
-        let design = DMatrix::from_fn(rows.len(), count(degree), |row, k| rows[row][k]);
+impl DirectionFit {
+    fn of(space: WindSpace, towards: &[[f64; 3]], shares: &DMatrix<f64>, degree: usize) -> Option<Self> {
+        let rows: Vec<Vec<f64>> = towards.iter().map(|of| space.functions(*of, degree)).collect();
+        let design = DMatrix::from_fn(rows.len(), space.count(degree), |row, k| rows[row][k]);
         let inverse = (design.transpose() * &design).cholesky()?.inverse();
         let coefficients = &inverse * design.transpose() * shares;
         let mut left = shares - &design * &coefficients;

@@ -1,7 +1,9 @@
 //! The wind that is likeliest for what several instruments say.
 //!
 //! ```text
-//! cost(v) = Σ (w_i − |v| m_i)² / (s_i² |v|² + σ_i²) + Σ ln(s_i² + σ_i²/|v|²)        m = answers in the direction of v
+//! cost(v) = Σ (w_i − |v| m_i)² / (s_i² |v|² + σ_i²) + Σ ln(s_i² + σ_i²/|v|²)
+//!
+//! m: answers in the direction of v
 //! ```
 //!
 //! Sought in even directions, each with the speed that fits best there, then by Gauss–Newton from
@@ -10,9 +12,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::combination::{Combination, along};
-use super::harmonics::even_directions;
+use super::combination::Combination;
 use super::readings::InstrumentReading;
+use super::space::WindSpace;
 use crate::vector::{angle_deg, dot, length};
 
 /// Directions that are searched.
@@ -39,7 +41,7 @@ pub struct CombinedWind {
     pub direction_u_rad: f64,
     /// χ² of the components.
     pub chi_square: f64,
-    /// Components beyond the three of a vector.
+    /// Components beyond those of the wind.
     pub degrees_of_freedom: usize,
     /// Another direction fits about as well.
     pub is_ambiguous: bool,
@@ -52,36 +54,43 @@ pub struct Combiner<'a> {
     grid: Vec<([f64; 3], Vec<f64>, Vec<f64>)>,
 }
 
-/// A component that was read: its place, value and σ².
+/// A component that was read: its place, value and σ²; of one that knows no speed both are shares.
 struct ReadComponent {
     place: usize,
-    value_m_s: f64,
-    variance_m2_s2: f64,
+    value: f64,
+    variance: f64,
+    is_direction: bool,
+}
+
+impl ReadComponent {
+    /// What it is divided by in a wind of this speed to be a share.
+    fn scale(&self, speed_m_s: f64) -> f64 {
+        if self.is_direction { 1.0 } else { speed_m_s }
+    }
 }
 
 impl<'a> Combiner<'a> {
     /// Prepares the search.
     pub fn new(combination: &'a Combination) -> Self {
         let of = |towards| (towards, combination.answers(towards), combination.variances(towards));
-        Self { combination, grid: even_directions(DIRECTIONS).into_iter().map(of).collect() }
+        Self { combination, grid: combination.space.even_directions(DIRECTIONS).into_iter().map(of).collect() }
     }
 
-    /// The wind of one reading of each instrument; none with fewer than three components.
+    /// The wind of one reading of each instrument; none with fewer components than it has itself,
+    /// or without a speed.
     pub fn estimate(&self, readings: &[Option<InstrumentReading>]) -> Option<CombinedWind> {
-        let read = self.components(readings);
-        if read.len() < 3 {
+        let (read, dimensions) = (self.components(readings), self.combination.space.dimensions());
+        if read.len() < dimensions || read.iter().all(|of| of.is_direction) {
             return None;
         }
-        let starts = self.grid.iter().map(|of| {
-            let (speed_m_s, cost) = fitted(&read, of);
-            (cost, speed_m_s, of)
-        });
-        let starts: Vec<_> = starts.collect();
-        let (least, speed_m_s, start) = starts.iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let is_ambiguous =
-            starts.iter().any(|(cost, _, of)| *cost < least + AS_WELL && angle_deg(of.0, start.0) > ANOTHER_DEG);
-        let variances: Vec<f64> =
-            read.iter().map(|of| start.2[of.place] * speed_m_s * speed_m_s + of.variance_m2_s2).collect();
+        let starts: Vec<_> = self.grid.iter().map(|of| (fitted(&read, of), of)).collect();
+        let ((speed_m_s, least), start) = starts.iter().min_by(|a, b| a.0.1.total_cmp(&b.0.1))?;
+        let another = |((_, cost), of): &((f64, f64), &(_, _, _))| {
+            *cost < least + AS_WELL && angle_deg(of.0, start.0) > ANOTHER_DEG
+        };
+        let is_ambiguous = starts.iter().any(another);
+        let variance = |of: &ReadComponent| start.2[of.place] * of.scale(*speed_m_s).powi(2) + of.variance;
+        let variances: Vec<f64> = read.iter().map(variance).collect();
         let mut wind = Vector3::from(start.0) * *speed_m_s;
         let (mut chi_square, mut normal) = (self.chi_square(&read, &variances, wind), Matrix3::identity());
         for _ in 0..MOST_STEPS {
@@ -103,16 +112,21 @@ impl<'a> Combiner<'a> {
             }
         }
         let covariance = normal.try_inverse()?;
+        let along = |of: Vector3<f64>| (of.transpose() * covariance * of)[0].max(0.0);
         let towards = wind.normalize();
-        let speed_u_m_s = (towards.transpose() * covariance * towards)[0].max(0.0).sqrt();
-        let across = Matrix3::identity() - towards * towards.transpose();
-        let sideways = (across * covariance * across).symmetric_eigenvalues().max().max(0.0).sqrt();
+        let sideways = match self.combination.space {
+            WindSpace::Across(normal) => along(towards.cross(&Vector3::from(normal))),
+            WindSpace::Everywhere => {
+                let across = Matrix3::identity() - towards * towards.transpose();
+                (across * covariance * across).symmetric_eigenvalues().max().max(0.0)
+            }
+        };
         Some(CombinedWind {
             wind_m_s: wind.into(),
-            speed_u_m_s,
-            direction_u_rad: sideways / wind.norm(),
+            speed_u_m_s: along(towards).sqrt(),
+            direction_u_rad: sideways.sqrt() / wind.norm(),
             chi_square,
-            degrees_of_freedom: read.len() - 3,
+            degrees_of_freedom: read.len() - dimensions,
             is_ambiguous,
         })
     }
@@ -123,12 +137,11 @@ impl<'a> Combiner<'a> {
         for (of, reading) in self.combination.instruments.iter().zip(readings) {
             for axis in &of.axes {
                 if let Some(reading) = reading {
-                    let speed_m_s = length(reading.wind_m_s).max(f64::MIN_POSITIVE);
-                    let share = dot(reading.wind_m_s, *axis) / speed_m_s;
-                    let (along_m_s, across_m_s) = (reading.speed_u_m_s, speed_m_s * reading.direction_u_rad);
-                    let variance_m2_s2 = (share * along_m_s).powi(2) + (1.0 - share * share) * across_m_s * across_m_s;
-                    let value_m_s = along(&Some(*reading), *axis);
-                    read.push(ReadComponent { place, value_m_s, variance_m2_s2 });
+                    let size = length(reading.wind_m_s).max(f64::MIN_POSITIVE);
+                    let value = dot(reading.wind_m_s, *axis);
+                    let (share, across) = (value / size, size * reading.direction_u_rad);
+                    let variance = (share * reading.speed_u_m_s).powi(2) + (1.0 - share * share) * across * across;
+                    read.push(ReadComponent { place, value, variance, is_direction: of.is_direction });
                 }
                 place += 1;
             }
@@ -136,29 +149,36 @@ impl<'a> Combiner<'a> {
         read
     }
 
-    /// |v| m(v/|v|)
-    fn answers(&self, wind: Vector3<f64>) -> Vec<f64> {
+    /// What is read in a wind, by component: |v| m(v/|v|).
+    fn answers(&self, read: &[ReadComponent], wind: Vector3<f64>) -> Vec<f64> {
         let speed_m_s = wind.norm();
-        self.combination.answers((wind / speed_m_s).into()).into_iter().map(|share| share * speed_m_s).collect()
+        let shares = self.combination.answers(self.combination.space.part((wind / speed_m_s).into()));
+        read.iter().map(|of| shares[of.place] * of.scale(speed_m_s)).collect()
     }
 
     fn chi_square(&self, read: &[ReadComponent], variances: &[f64], wind: Vector3<f64>) -> f64 {
-        let answers = self.answers(wind);
-        read.iter().zip(variances).map(|(of, variance)| (of.value_m_s - answers[of.place]).powi(2) / variance).sum()
+        let off = read.iter().zip(self.answers(read, wind)).map(|(of, answer)| of.value - answer);
+        off.zip(variances).map(|(off, variance)| off * off / variance).sum()
     }
 
     fn equations(&self, read: &[ReadComponent], variances: &[f64], wind: Vector3<f64>) -> (Matrix3<f64>, Vector3<f64>) {
         let by = STEP * wind.norm();
-        let here = self.answers(wind);
+        let here = self.answers(read, wind);
         let beside: [[Vec<f64>; 2]; 3] = std::array::from_fn(|k| {
             let step = Vector3::ith(k, by);
-            [self.answers(wind + step), self.answers(wind - step)]
+            [self.answers(read, wind + step), self.answers(read, wind - step)]
         });
         let (mut h, mut b) = (Matrix3::zeros(), Vector3::zeros());
-        for (of, variance) in read.iter().zip(variances) {
-            let row = Vector3::from_fn(|k, _| (beside[k][0][of.place] - beside[k][1][of.place]) / (2.0 * by));
+        for (i, (of, variance)) in read.iter().zip(variances).enumerate() {
+            let row = Vector3::from_fn(|k, _| (beside[k][0][i] - beside[k][1][i]) / (2.0 * by));
+            let row = Vector3::from(self.combination.space.part(row.into()));
             h += row * row.transpose() / *variance;
-            b += row * (of.value_m_s - here[of.place]) / *variance;
+            b += row * (of.value - here[i]) / *variance;
+        }
+        if let WindSpace::Across(normal) = self.combination.space {
+            // Nothing leaves the plane.
+            let normal = Vector3::from(normal);
+            h += normal * normal.transpose() * h.trace();
         }
         (h, b)
     }
@@ -167,15 +187,16 @@ impl<'a> Combiner<'a> {
 /// The speed that fits best in a direction, and its cost.
 fn fitted(read: &[ReadComponent], (_, answers, variances): &([f64; 3], Vec<f64>, Vec<f64>)) -> (f64, f64) {
     let (mut both, mut own) = (0.0, 0.0);
-    for of in read {
+    for of in read.iter().filter(|of| !of.is_direction) {
         let (answer, variance) = (answers[of.place], variances[of.place]);
-        both += answer * of.value_m_s / variance;
+        both += answer * of.value / variance;
         own += answer * answer / variance;
     }
     let speed_m_s = (both / own).max(1e-6);
     let cost = read.iter().map(|of| {
-        let variance = variances[of.place] + of.variance_m2_s2 / (speed_m_s * speed_m_s);
-        (of.value_m_s / speed_m_s - answers[of.place]).powi(2) / variance + variance.ln()
+        let scale = of.scale(speed_m_s);
+        let variance = variances[of.place] + of.variance / (scale * scale);
+        (of.value / scale - answers[of.place]).powi(2) / variance + variance.ln()
     });
     (speed_m_s, cost.sum())
 }
@@ -186,69 +207,148 @@ mod tests {
     use super::*;
     use crate::vector::{across, unit};
 
-    /// Three cards round x, each of which sees its plane, and the less the more it is in the lee.
-    fn card(n: usize, wind_m_s: [f64; 3], shade: f64) -> InstrumentReading {
-        let angle = (90.0 + 120.0 * n as f64).to_radians();
-        let normal = [0.0, angle.cos(), angle.sin()];
-        let facing = -dot(wind_m_s, normal) / length(wind_m_s);
-        let share = 1.0 + shade * facing + 0.1 * facing * facing;
-        let seen = across(wind_m_s, normal).map(|x| x * share);
-        InstrumentReading { wind_m_s: seen, speed_u_m_s: 0.005 * length(seen), direction_u_rad: 0.005 }
+    /// What stands in the wind: readings of all instruments.
+    type Rig = fn([f64; 3]) -> Vec<InstrumentReading>;
+
+    fn reading(wind_m_s: [f64; 3]) -> InstrumentReading {
+        InstrumentReading {
+            wind_m_s,
+            speed_u_m_s: 0.005 * length(wind_m_s),
+            direction_u_rad: 0.005,
+            is_direction: false,
+        }
     }
 
-    fn known(count: usize, shade: f64) -> Vec<KnownWind> {
-        let directions = even_directions(count).into_iter().enumerate();
+    /// Three cards round x, each of which sees its plane, and the less the more it is in the lee.
+    fn cards(wind_m_s: [f64; 3]) -> Vec<InstrumentReading> {
+        let card = |n: i32| {
+            let angle = (90.0 + 120.0 * f64::from(n)).to_radians();
+            let normal = [0.0, angle.cos(), angle.sin()];
+            let facing = -dot(wind_m_s, normal) / length(wind_m_s);
+            let share = 1.0 + 0.5 * facing + 0.1 * facing * facing;
+            reading(across(wind_m_s, normal).map(|x| x * share))
+        };
+        (0..3).map(card).collect()
+    }
+
+    /// Six boards round x that know a speed each, higher where the wind comes from: across x.
+    fn boards(wind_m_s: [f64; 3]) -> Vec<InstrumentReading> {
+        let board = |n: i32| {
+            let angle = (60.0 * f64::from(n)).to_radians();
+            let facing = -dot(wind_m_s, [0.0, angle.cos(), angle.sin()]);
+            let speed_m_s = 0.8 * length(wind_m_s) + 0.5 * facing;
+            InstrumentReading { direction_u_rad: 0.0, ..reading([speed_m_s, 0.0, 0.0]) }
+        };
+        (0..6).map(board).collect()
+    }
+
+    /// Two needles that see the wind mirrored into a quadrant, and a vane that knows it to 10°.
+    fn needles(wind_m_s: [f64; 3]) -> Vec<InstrumentReading> {
+        let [x, y, _] = unit(wind_m_s);
+        let turned = (y.atan2(x) + 0.17 * (4.0 * y.atan2(x)).sin() + 1.0).sin_cos();
+        let vane = InstrumentReading {
+            wind_m_s: [turned.1, turned.0, 0.0],
+            speed_u_m_s: 0.0,
+            direction_u_rad: 0.17,
+            is_direction: true,
+        };
+        vec![reading(wind_m_s.map(f64::abs)), vane]
+    }
+
+    fn known(rig: Rig, space: WindSpace, count: usize) -> Vec<KnownWind> {
         let wind = |(n, towards): (usize, [f64; 3])| {
             let speed_m_s = 0.5 * 20_f64.powf((0.618 * n as f64).fract());
             let wind_m_s = towards.map(|x| speed_m_s * x);
-            KnownWind { wind_m_s, readings: (0..3).map(|n| Some(card(n, wind_m_s, shade))).collect() }
+            KnownWind { wind_m_s, readings: rig(wind_m_s).into_iter().map(Some).collect() }
         };
-        directions.map(wind).collect()
+        space.even_directions(count).into_iter().enumerate().map(wind).collect()
     }
 
-    fn names() -> Vec<String> {
-        ["card1", "card2", "card3"].map(str::to_owned).to_vec()
+    fn fitted_to(known: &[KnownWind]) -> Result<Combination, String> {
+        let names: Vec<String> = (0..known[0].readings.len()).map(|n| format!("instrument{n}")).collect();
+        Combination::fit(&names, known).map_err(|error| error.to_string())
+    }
+
+    /// Finds 77 winds that it has not seen, to `within_deg` and a share of the speed.
+    fn finds(rig: Rig, space: WindSpace, components: usize, within_deg: f64, within: f64) {
+        let combination = fitted_to(&known(rig, space, 120)).unwrap();
+        assert_eq!((combination.space.dimensions(), combination.components()), (space.dimensions(), components));
+        let combiner = Combiner::new(&combination);
+        for towards in space.even_directions(77) {
+            let wind_m_s = towards.map(|x| 3.0 * x);
+            let readings: Vec<_> = rig(wind_m_s).into_iter().map(Some).collect();
+            let found = combiner.estimate(&readings).unwrap();
+            assert!(angle_deg(found.wind_m_s, wind_m_s) < within_deg, "{towards:?}: {found:?}");
+            assert!((length(found.wind_m_s) / 3.0 - 1.0).abs() < within && !found.is_ambiguous, "{found:?}");
+            assert_eq!(found.degrees_of_freedom, components - space.dimensions());
+        }
     }
 
     #[test]
-    fn three_cards_of_two_components_make_a_vector() {
-        let combination = Combination::fit(&names(), &known(120, 0.5)).unwrap();
-        assert!(combination.instruments.iter().all(|of| of.axes.len() == 2));
+    fn cards_boards_and_a_vane_beside_needles_find_the_wind() {
+        finds(cards, WindSpace::Everywhere, 6, 0.5, 0.01);
+        finds(boards, WindSpace::Across([1.0, 0.0, 0.0]), 6, 0.5, 0.01);
+        finds(needles, WindSpace::Across([0.0, 0.0, 1.0]), 4, 2.5, 0.05);
+    }
+
+    #[test]
+    fn fewer_instruments_know_less() {
+        let combination = fitted_to(&known(cards, WindSpace::Everywhere, 120)).unwrap();
         let combiner = Combiner::new(&combination);
-        for towards in even_directions(77) {
-            let wind_m_s = towards.map(|x| 3.0 * x);
-            let mut readings: Vec<_> = (0..3).map(|n| Some(card(n, wind_m_s, 0.5))).collect();
-            let found = combiner.estimate(&readings).unwrap();
-            assert!(angle_deg(found.wind_m_s, wind_m_s) < 0.5, "{towards:?}: {found:?}");
-            assert!((length(found.wind_m_s) / 3.0 - 1.0).abs() < 0.01 && !found.is_ambiguous, "{found:?}");
-            assert_eq!(found.degrees_of_freedom, 3);
-            // Two of them still have four components.
-            readings[0] = None;
-            let two = combiner.estimate(&readings).unwrap();
-            assert!(two.speed_u_m_s >= found.speed_u_m_s && two.degrees_of_freedom == 1, "{two:?}");
-            readings[1] = None;
-            assert_eq!(combiner.estimate(&readings), None);
+        let mut readings: Vec<_> = cards([1.0, 2.0, 3.0]).into_iter().map(Some).collect();
+        let all = combiner.estimate(&readings).unwrap();
+        readings[0] = None;
+        let two = combiner.estimate(&readings).unwrap();
+        assert!(two.speed_u_m_s >= all.speed_u_m_s && two.degrees_of_freedom == 1, "{two:?}");
+        readings[1] = None;
+        assert_eq!(combiner.estimate(&readings), None);
+    }
+
+    #[test]
+    fn in_the_wake_of_a_mast_the_other_boom_counts() {
+        // Two booms that see the whole wind; the first stands behind a mast in winds towards x,
+        // where the gas is slow and goes anywhere.
+        let booms = |wind_m_s: [f64; 3], n: usize| {
+            let turn = [0.9, -0.7, 0.4, -1.0][n % 4];
+            let behind = unit(wind_m_s)[0] > 0.8;
+            let wake = [0.4 * wind_m_s[0], wind_m_s[1] + turn * wind_m_s[0], wind_m_s[2] - 0.5 * turn * wind_m_s[0]];
+            vec![Some(reading(if behind { wake } else { wind_m_s })), Some(reading(wind_m_s.map(|x| 0.97 * x)))]
+        };
+        let winds = known(cards, WindSpace::Everywhere, 300).into_iter().enumerate();
+        let known: Vec<_> = winds.map(|(n, of)| KnownWind { readings: booms(of.wind_m_s, n), ..of }).collect();
+        let combination = fitted_to(&known).unwrap();
+        let combiner = Combiner::new(&combination);
+        for n in 0..4 {
+            let wind_m_s = [2.0, 0.3, -0.2];
+            let readings = booms(wind_m_s, n);
+            let (found, by_first) = (combiner.estimate(&readings).unwrap(), readings[0].unwrap().wind_m_s);
+            assert!(angle_deg(by_first, wind_m_s) > 30.0 && angle_deg(found.wind_m_s, wind_m_s) < 3.0, "{found:?}");
         }
     }
 
     #[test]
     fn a_wind_that_no_instrument_can_have_seen_has_a_large_chi_square() {
-        let combination = Combination::fit(&names(), &known(120, 0.5)).unwrap();
+        let combination = fitted_to(&known(cards, WindSpace::Everywhere, 120)).unwrap();
         let combiner = Combiner::new(&combination);
-        let wind_m_s = unit([1.0, 2.0, -0.5]);
-        let mut readings: Vec<_> = (0..3).map(|n| Some(card(n, wind_m_s, 0.5))).collect();
+        let mut readings: Vec<_> = cards(unit([1.0, 2.0, -0.5])).into_iter().map(Some).collect();
         assert!(combiner.estimate(&readings).unwrap().chi_square < 11.3);
-        let turned = readings[2].map(|of| InstrumentReading { wind_m_s: of.wind_m_s.map(|x| -x), ..of });
-        readings[2] = turned;
+        readings[2] = readings[2].map(|of| InstrumentReading { wind_m_s: of.wind_m_s.map(|x| -x), ..of });
         assert!(combiner.estimate(&readings).unwrap().chi_square > 100.0);
     }
 
     #[test]
     fn winds_of_one_side_and_too_few_are_refused() {
-        let refused = |known: &[KnownWind]| Combination::fit(&names(), known).unwrap_err().to_string();
-        let mut all = known(120, 0.5);
-        assert!(refused(&all[..4]).starts_with("4 known winds have estimates of all instruments"));
+        let mut all = known(cards, WindSpace::Everywhere, 120);
+        let few = fitted_to(&all[..4]).unwrap_err();
+        assert!(few.starts_with("4 known winds of 4 have estimates of all instruments"), "{few}");
         all.retain(|of| of.wind_m_s[2] > 0.0);
-        assert!(refused(&all).contains("winds from everywhere are needed"));
+        assert!(fitted_to(&all).unwrap_err().contains("winds from everywhere are needed"));
+        let mut flat = known(needles, WindSpace::Across([0.0, 0.0, 1.0]), 60);
+        for of in &mut flat {
+            of.readings.remove(0);
+        }
+        assert_eq!(fitted_to(&flat).unwrap_err(), "no instrument knows a speed");
+        flat.retain(|of| of.wind_m_s[1] > 0.0);
+        assert!(fitted_to(&flat).unwrap_err().contains("all around their plane"));
     }
 }

@@ -1,26 +1,33 @@
 //! Files of `anemo wind`, of several instruments at once.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use recording::wind::{DIRECTION_UNCERTAINTY, SPEED_UNCERTAINTY, WIND_ESTIMATE};
+use recording::wind::{DIRECTION_UNCERTAINTY, SPEED_UNCERTAINTY, WIND_ESTIMATE, WIND_SPEED};
 use recording::{EVENT, Recording, RecordingError, TIME, TRUE_WIND};
 
+use super::vane::Vane;
 use crate::vector::length;
+use crate::wind::comparison::SLOWEST_M_S;
 use crate::wind::given_winds::GivenWinds;
 
-/// What an instrument estimates at a time.
+/// What an instrument says at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InstrumentReading {
-    /// Where the gas goes to, in the instrument's frame, m/s.
+    /// Where the gas goes to, in the instrument's frame, m/s; of one that only knows the speed
+    /// (v, 0, 0), of one that only knows the direction a unit vector.
     pub wind_m_s: [f64; 3],
     /// Standard uncertainty of its speed, m/s.
     pub speed_u_m_s: f64,
     /// Of its direction, rad.
     pub direction_u_rad: f64,
+    /// Whether it knows no speed.
+    pub is_direction: bool,
 }
 
 /// Instruments that were read at the same times.
 pub struct CombinedReadings {
+    /// Names of the instruments: of their files, without the ending.
+    pub names: Vec<String>,
     /// s
     pub time_s: Vec<f64>,
     /// Label of each row.
@@ -40,61 +47,80 @@ pub struct KnownWind {
     pub readings: Vec<Option<InstrumentReading>>,
 }
 
+/// Which rows count.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RowsThatCount {
+    /// From this time on, s.
+    pub from_s: f64,
+    /// And not so much at the beginning of every label, s.
+    pub settle_s: f64,
+}
+
 impl CombinedReadings {
-    /// Reads the files; rows are those of the first one, others are found by their time.
+    /// Reads the files of instruments and the vanes; rows are those of the first file, others are
+    /// found by their time.
     ///
     /// # Errors
     /// If one cannot be read, has no wind estimates, or no row at a time of the first.
-    pub fn read(paths: &[impl AsRef<Path>], winds: Option<&GivenWinds>) -> Result<Self, RecordingError> {
+    pub fn read(paths: &[PathBuf], vanes: &[Vane], winds: Option<&GivenWinds>) -> Result<Self, RecordingError> {
         let mut files = Vec::new();
         for path in paths {
-            files.push(InstrumentFile::read(path.as_ref())?);
+            files.push(InstrumentFile::read(path)?);
         }
         let first = &files[0];
         let step_s = first.time_s.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
         let near_s = if step_s.is_finite() { 0.5 * step_s } else { 1.0 };
-        for file in &files[1..] {
-            if !first.time_s.iter().any(|time_s| file.at(*time_s, near_s).is_some()) {
-                let sentence = format!("has no row at any time of {}: are they of one run?", first.path.display());
-                return Err(RecordingError::new(&file.path, sentence));
+        let mut columns: Vec<Vec<Option<InstrumentReading>>> = files.iter().map(|of| of.at(first, near_s)).collect();
+        for vane in vanes {
+            columns.push(vane.at(&first.time_s, near_s)?);
+        }
+        let sources = paths.iter().chain(vanes.iter().map(|of| &of.recording));
+        for (path, column) in sources.clone().zip(&columns) {
+            if column.iter().all(Option::is_none) {
+                let sentence = format!("says nothing at any time of {}: are they of one run?", first.path.display());
+                return Err(RecordingError::new(path, sentence));
             }
         }
-        let row = |row: usize| {
-            let time_s = first.time_s[row];
-            files.iter().map(|file| file.at(time_s, near_s).and_then(|at| file.readings[at])).collect()
-        };
-        let rows = first.time_s.len();
         let known = |row: usize| match winds {
             Some(winds) => winds.of(&first.events[row]),
             None => first.true_wind_m_s.as_ref().map(|of| of[row]).filter(|of| of.iter().all(|x| x.is_finite())),
         };
+        let rows = first.time_s.len();
         Ok(Self {
-            readings: (0..rows).map(row).collect(),
+            names: sources.map(|path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned()).collect(),
+            readings: (0..rows).map(|row| columns.iter().map(|of| of[row]).collect()).collect(),
             true_wind_m_s: (0..rows).map(known).collect(),
             time_s: first.time_s.clone(),
             events: first.events.clone(),
         })
     }
 
-    /// The steady winds by label, without the first `settle_s` of each; still gas is none.
-    pub fn known(&self, from_s: f64, settle_s: f64) -> Vec<KnownWind> {
-        let mut known = Vec::new();
+    /// The rows that count, by label.
+    pub fn stretches(&self, which: RowsThatCount) -> Vec<Vec<usize>> {
+        let mut stretches = Vec::new();
         let mut begin = 0;
         while begin < self.time_s.len() {
             let same = |row: &usize| self.events[*row] == self.events[begin];
             let end = (begin..self.time_s.len()).take_while(same).count() + begin;
-            let counts =
-                |row: &usize| self.time_s[*row] >= from_s && self.time_s[*row] >= self.time_s[begin] + settle_s;
-            let rows: Vec<usize> = (begin..end).filter(counts).collect();
-            let wind_m_s = rows.first().and_then(|row| self.true_wind_m_s[*row]);
-            if let Some(wind_m_s) = wind_m_s.filter(|of| length(*of) > 0.0) {
-                let instruments = self.readings[begin].len();
-                let readings = (0..instruments).map(|i| self.mean(&rows, i)).collect();
-                known.push(KnownWind { wind_m_s, readings });
-            }
+            let from_s = which.from_s.max(self.time_s[begin] + which.settle_s);
+            stretches.push((begin..end).filter(|row| self.time_s[*row] >= from_s).collect());
             begin = end;
         }
-        known
+        stretches
+    }
+
+    /// The true wind of a row, if it is known, and fast enough to have a direction.
+    pub fn true_wind(&self, row: usize) -> Option<[f64; 3]> {
+        self.true_wind_m_s[row].filter(|of| length(*of) >= SLOWEST_M_S)
+    }
+
+    /// The steady winds by label.
+    pub fn known(&self, which: RowsThatCount) -> Vec<KnownWind> {
+        let known = |rows: Vec<usize>| {
+            let wind_m_s = self.true_wind(*rows.first()?)?;
+            Some(KnownWind { wind_m_s, readings: (0..self.names.len()).map(|i| self.mean(&rows, i)).collect() })
+        };
+        self.stretches(which).into_iter().filter_map(known).collect()
     }
 
     fn mean(&self, rows: &[usize], instrument: usize) -> Option<InstrumentReading> {
@@ -108,13 +134,14 @@ impl CombinedReadings {
             wind_m_s: [0, 1, 2].map(|k| mean(&|of| of.wind_m_s[k])),
             speed_u_m_s: mean(&|of| of.speed_u_m_s),
             direction_u_rad: mean(&|of| of.direction_u_rad),
+            is_direction: read[0].is_direction,
         })
     }
 }
 
 /// One file.
 struct InstrumentFile {
-    path: std::path::PathBuf,
+    path: PathBuf,
     time_s: Vec<f64>,
     events: Vec<String>,
     true_wind_m_s: Option<Vec<[f64; 3]>>,
@@ -135,12 +162,17 @@ impl InstrumentFile {
         };
         let wind_m_s = vectors(WIND_ESTIMATE)?;
         let (speed_u, direction_u) = (table.numbers(SPEED_UNCERTAINTY)?, table.numbers(DIRECTION_UNCERTAINTY)?);
+        let speed_m_s = table.numbers(WIND_SPEED)?;
+        // A single element knows the speed only.
+        let is_speed = !wind_m_s.iter().flatten().any(|x| x.abs() > 0.0);
         let known = |x: f64| if x.is_finite() { x } else { 0.0 };
         let reading = |row: usize| {
-            wind_m_s[row].iter().all(|x| x.is_finite()).then(|| InstrumentReading {
-                wind_m_s: wind_m_s[row],
+            let wind_m_s = if is_speed { [speed_m_s[row], 0.0, 0.0] } else { wind_m_s[row] };
+            wind_m_s.iter().all(|x| x.is_finite()).then(|| InstrumentReading {
+                wind_m_s,
                 speed_u_m_s: known(speed_u[row]),
-                direction_u_rad: known(direction_u[row]).to_radians(),
+                direction_u_rad: if is_speed { 0.0 } else { known(direction_u[row]).to_radians() },
+                is_direction: false,
             })
         };
         let events = match table.has(EVENT) {
@@ -159,11 +191,15 @@ impl InstrumentFile {
         })
     }
 
-    /// The row that is nearest to a time.
-    fn at(&self, time_s: f64, within_s: f64) -> Option<usize> {
-        let after = self.time_s.partition_point(|of| *of < time_s);
-        let near = [after.checked_sub(1), Some(after)].into_iter().flatten().filter(|row| *row < self.time_s.len());
-        let off = |row: &usize| (self.time_s[*row] - time_s).abs();
-        near.min_by(|a, b| off(a).total_cmp(&off(b))).filter(|row| off(row) <= within_s)
+    /// What it says at the times of another one: the row that is nearest to each.
+    fn at(&self, other: &Self, within_s: f64) -> Vec<Option<InstrumentReading>> {
+        let at = |time_s: &f64| {
+            let after = self.time_s.partition_point(|of| of < time_s);
+            let near = [after.checked_sub(1), Some(after)].into_iter().flatten().filter(|row| *row < self.time_s.len());
+            let off_s = |row: &usize| (self.time_s[*row] - time_s).abs();
+            let row = near.min_by(|a, b| off_s(a).total_cmp(&off_s(b))).filter(|row| off_s(row) <= within_s)?;
+            self.readings[row]
+        };
+        other.time_s.iter().map(at).collect()
     }
 }

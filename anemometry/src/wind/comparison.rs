@@ -43,7 +43,8 @@ pub struct ErrorSum {
 }
 
 impl ErrorSum {
-    fn add(&mut self, value: f64) {
+    /// Adds an error.
+    pub fn add(&mut self, value: f64) {
         self.count += 1;
         self.squares += value * value;
         self.sum += value;

@@ -22,6 +22,8 @@ const APART: f32 = 0.02;
 /// Share of the speed beyond which a fold is too far to matter, and a parabola cannot locate the
 /// other solution.
 const FARTHEST: f32 = 1.5;
+/// Share of the speed within which the other solution is the same: 3° from a fold.
+const ON_THE_FOLD: f32 = 0.1;
 
 #[derive(Debug, Clone, Copy)]
 pub struct Singularity {
@@ -30,6 +32,9 @@ pub struct Singularity {
     pub others: [[f32; 3]; 3],
     /// What b adds to A, in the frame.
     pub information: Matrix,
+    /// Whether the solution is on the fold: there steps do not converge, if the conductances are
+    /// those of no wind by more than their noise.
+    pub is_fold: bool,
 }
 
 impl Inverse<'_> {
@@ -51,7 +56,8 @@ impl Inverse<'_> {
         (t.max(-t) <= FARTHEST * speed).then(|| {
             let mut information = [[0.0; 3]; 3];
             plus_outer(&mut information, 0.5 * sqrt(self.variance) * sqrt(bb), weakest);
-            Singularity { others: [1.0, 1.7, 3.0].map(|share| plus(found.reynolds, share * t, along)), information }
+            let others = [1.0, 1.7, 3.0].map(|share| plus(found.reynolds, share * t, along));
+            Singularity { others, information, is_fold: t.max(-t) <= ON_THE_FOLD * speed }
         })
     }
 }

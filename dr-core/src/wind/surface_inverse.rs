@@ -205,10 +205,12 @@ impl WindVector {
             .with(QualityFlags::AMBIGUOUS, other.is_some())
             .with(QualityFlags::EXTRAPOLATED, self.nusselt.extrapolates(length(found.reynolds)));
         let (mut normal, least_across) = self.normal_off_the_axes(&inverse, &found);
+        let mut fits = fits(&found, variance);
         if (degraded || wires)
             && let Some(singularity) = inverse.singularity(&found)
         {
             plus(&mut normal, &singularity.information);
+            fits |= wires && singularity.is_fold;
         }
         let solution = LeastSquaresSolution {
             frame: &self.frame,
@@ -216,7 +218,7 @@ impl WindVector {
             least_across_m_s: least_across * speed_per_reynolds,
             normal,
             scale_m2_s2: variance * speed_per_reynolds * speed_per_reynolds,
-            fits: fits(&found, variance),
+            fits,
         };
         let estimate = solution.describe(self.direction_error_max_rad, quality).map(|wind| WindEstimate {
             chi_square: found.cost / variance,

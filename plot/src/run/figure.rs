@@ -18,6 +18,7 @@ use crate::engine::trace::Trace;
 use crate::engine::words::{brief, power_unit};
 use crate::error::PlotError;
 use anemometry::vector::length;
+use recording::text::count;
 use recording::{HEATER, POWER, Recording, STATE, TRUE_WIND};
 
 /// Ticks of the close-up of the heater bits.
@@ -103,8 +104,9 @@ impl<'r> RunCharts<'r> {
     fn subtitle(&self, estimates: Option<&WindEstimates<'_>>, alone: bool) -> String {
         let of = |key| self.recording.metadata(key);
         let (rows, elements) = (self.time_s.len(), self.elements.len());
-        let count = if elements == 1 { "1 element".to_owned() } else { format!("{elements} elements") };
-        let mut parts = vec![of("head_name").map_or(count, |head| format!("head {head}"))];
+        let head = of("head_name").map(|head| format!("head {head}"));
+        let mut parts: Vec<String> =
+            head.or_else(|| (elements > 0).then(|| count(elements, "element"))).into_iter().collect();
         parts.extend(of("firmware").map(str::to_owned));
         if alone && estimates.is_some() {
             parts.push(format!("{rows} wind estimates"));

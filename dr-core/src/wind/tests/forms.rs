@@ -131,6 +131,27 @@ fn wires_tell_the_wind_on_the_side_that_they_face() {
 }
 
 #[test]
+fn wires_have_a_wind_where_they_see_it_mirrored_and_no_wind_fits() {
+    let gas = carbon_dioxide(700.0);
+    let head = wires(&[-PI / 4.0, PI / 4.0]);
+    for n in 0..60 {
+        let speed = [0.8, 3.0, 9.0][n % 3];
+        // Along the second wire, within 3°; it is cooled less than by any wind: ten standard
+        // errors.
+        let wind = at_angle(-PI / 4.0 + 0.1 * (n as f64 / 59.0 - 0.5)).map(|x| -speed * x);
+        let measured = core::array::from_fn::<_, 2, _>(|i| {
+            let conductance_w_k = head.conductances(&gas, wind)[i].conductance_w_k * [1.0, 0.99][i];
+            let error_w_k = SHARE as f32 * conductance_w_k;
+            Some(MeasuredConductance { conductance_w_k, variance_w2_k2: error_w_k * error_w_k })
+        });
+        let found = head.step(&mut WindState::default(), &gas, &measured);
+        assert!(!found.quality.has(QualityFlags::FAILED), "{n}: {found:?}");
+        assert!((found.speed_m_s / speed - 1.0).abs() < 0.02, "{n}: {found:?}");
+        assert!(off(found.wind_m_s, wind) < 0.1 * speed && found.direction_error_rad > 0.01, "{n}: {found:?}");
+    }
+}
+
+#[test]
 fn a_single_element_tells_a_speed_with_its_error_and_no_direction() {
     let gas = carbon_dioxide(700.0);
     let single = [surface(0.0, [0.0; 5])];
