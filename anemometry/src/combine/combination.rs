@@ -3,7 +3,8 @@
 use nalgebra::{DMatrix, Matrix3, SymmetricEigen, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::readings::{InstrumentReading, KnownWind};
+use super::instrument::InstrumentReading;
+use super::readings::KnownWind;
 use super::space::WindSpace;
 use crate::vector::{angle_deg, dot, length, unit};
 use recording::text;

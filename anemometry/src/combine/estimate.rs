@@ -13,7 +13,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::combination::Combination;
-use super::readings::InstrumentReading;
+use super::instrument::InstrumentReading;
 use super::space::WindSpace;
 use crate::vector::{angle_deg, dot, length};
 

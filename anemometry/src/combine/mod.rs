@@ -19,6 +19,7 @@
 //!
 //! | file | what |
 //! |---|---|
+//! | [`instrument`] | what one says at a time |
 //! | [`readings`] | files of `anemo wind`, row by row and as means of steady winds |
 //! | [`vane`] | the direction by junctions round a warm core |
 //! | [`space`] | directions, and functions of them |
@@ -30,6 +31,7 @@
 
 pub mod combination;
 pub mod estimate;
+pub mod instrument;
 pub mod readings;
 pub mod report;
 pub mod space;

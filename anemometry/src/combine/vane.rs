@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use recording::text::suggest;
 use recording::{Recording, RecordingError, TEMPERATURE, TIME, column_name};
 
-use super::readings::InstrumentReading;
+use super::instrument::InstrumentReading;
 
 /// A difference between the junctions that is smaller, in standard deviations of its noise, says
 /// nothing.
