@@ -6,7 +6,7 @@ use std::str::FromStr;
 use crate::choice::choice;
 use crate::output::Failure;
 use host_sim::instrument::emulated::{Emulated, EmulatorLink};
-use host_sim::instrument::in_process::InProcess;
+use host_sim::instrument::in_process;
 use host_sim::instrument::serial::Serial;
 use host_sim::instrument::virtual_line::{self, VirtualBoardFiles, VirtualLine};
 use host_sim::instrument::{InstrumentPort, LinkReport, LockStep, LockStepController, SettingsPort, setup};
@@ -60,7 +60,10 @@ impl InstrumentArguments {
         let flash = self.flash()?;
         self.emulation.has_link(&self.on)?;
         let mut instrument: Box<dyn InstrumentPort> = match &self.on {
-            On::Sim => Box::new(LockStep::new(InProcess::new(), sensor()?)),
+            On::Sim => {
+                let sensor = sensor()?;
+                in_process::of_head(sensor.codes().len(), sensor)
+            }
             On::Qemu => {
                 let sensor = sensor()?;
                 Box::new(LockStep::new(self.emulation.start(flash)?, sensor))
@@ -133,11 +136,12 @@ pub(super) enum On {
 }
 
 impl On {
-    /// Whose limits hold there. A cable leads to a sensor board.
-    pub(super) const fn board(&self) -> BoardKind {
+    /// Whose limits hold there: none in this process. A cable leads to a sensor board.
+    pub(super) const fn board(&self) -> Option<BoardKind> {
         match self {
-            Self::Sim | Self::Qemu => BoardKind::Virtual,
-            Self::Silicon | Self::Serial(_) => BoardKind::Sensor,
+            Self::Sim => None,
+            Self::Qemu => Some(BoardKind::Virtual),
+            Self::Silicon | Self::Serial(_) => Some(BoardKind::Sensor),
         }
     }
 }

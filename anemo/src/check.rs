@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use crate::board::On;
 use crate::output::Failure;
 use host_sim::run::CheckReport;
-use wire::BoardKind;
 
 /// Read an experiment and its head, and report what would run.
 #[derive(clap::Args)]
@@ -14,19 +13,19 @@ pub struct Arguments {
     /// The experiment: a TOML file.
     experiment: PathBuf,
     /// Judge it by what this instrument grants: elements, currents, temperatures, sample period.
-    #[arg(long, value_name = "sim|qemu|serial", default_value = "sim", value_parser = board_of)]
-    on: BoardKind,
+    #[arg(long, value_name = "sim|qemu|serial", default_value = "sim", value_parser = whose)]
+    on: On,
     /// Print one JSON object instead of the summary.
     #[arg(long)]
     json: bool,
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let (experiment, judgement) = crate::output::read_experiment(&arguments.experiment, arguments.on)?;
+    let (experiment, judgement) = crate::output::read_experiment(&arguments.experiment, arguments.on.board())?;
     crate::output::print_report(&CheckReport::new(&experiment, judgement), arguments.json)
 }
 
 /// Whose limits hold; a serial port need not be named, as nothing is opened.
-fn board_of(text: &str) -> Result<BoardKind, Failure> {
-    if text == "serial" { Ok(BoardKind::Sensor) } else { text.parse::<On>().map(|on| on.board()) }
+fn whose(text: &str) -> Result<On, Failure> {
+    if text == "serial" { Ok(On::Serial(String::new())) } else { text.parse() }
 }

@@ -106,7 +106,7 @@ mod tests {
     #[test]
     fn listeners_stop_arm_start_and_test_a_run_and_are_refused_as_any_host_is() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../experiments/steady.toml");
-        let (experiment, _) = read_experiment(path.as_ref(), wire::BoardKind::Virtual).unwrap();
+        let (experiment, _) = read_experiment(path.as_ref(), None).unwrap();
         let instrument = LockStep::new(InProcess::new(), experiment.sensor().unwrap());
         let feed = Feed::new(feeding::layout(&experiment, instrument.identity()));
         let reader = feed.subscribe(1_000_000);

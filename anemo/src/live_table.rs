@@ -60,7 +60,7 @@ impl LiveTable {
         self.rows += 1;
         self.ticks += 1;
         self.lost = lost;
-        self.high.iter_mut().enumerate().for_each(|(i, high)| *high += u32::from(row.heaters >> i & 1));
+        self.high.iter_mut().enumerate().for_each(|(i, high)| *high += (row.heaters >> i & 1) as u32);
         if row.estimate.iter().any(|number| number.is_finite()) {
             self.estimate.clear();
             self.estimate.extend_from_slice(row.estimate);

@@ -73,7 +73,7 @@ impl SourceArguments {
     }
 
     /// Reads it; a controller in this process judges it by what such a board grants.
-    pub(super) fn experiment(&self, board: BoardKind) -> Result<Experiment, Failure> {
+    pub(super) fn experiment(&self, board: Option<BoardKind>) -> Result<Experiment, Failure> {
         finite(&[
             ("--set-point", self.set_point),
             ("--overheat", self.overheat),
@@ -82,7 +82,7 @@ impl SourceArguments {
         ])?;
         let source = TomlSource::read(&self.source)?;
         let mut experiment = if is_head(&source) {
-            if board != BoardKind::Sensor {
+            if board != Some(BoardKind::Sensor) {
                 let sentence = "is a head: a simulation asks for an experiment, with the wind around it; name one, or a sensor board by --on serial:DEVICE";
                 return Err(Failure::in_file(&self.source, sentence));
             }

@@ -164,7 +164,7 @@ fn has_extension(path: &std::path::Path, extension: &str) -> bool {
 /// so that nothing is started that would be refused.
 pub fn read_experiment(
     path: &std::path::Path,
-    board: BoardKind,
+    board: Option<BoardKind>,
 ) -> Result<(Experiment, host_sim::run::SetPointJudgement), Failure> {
     if path.is_dir() {
         return Err(Failure::in_file(path, "is a folder: an experiment, a .toml file, belongs here"));

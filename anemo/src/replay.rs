@@ -137,7 +137,7 @@ impl ReplayChunk<'_> {
             raw_w_k: of(RAW_CONDUCTANCE, &layout.surfaces).into_iter().take(MOST_SURFACES).collect(),
         };
         let wind = flags.is_finite().then(|| FeedWind::new(estimate(flags as u16), layout.heading_deg));
-        let heater = |(bit, i): (f32, u32)| u16::from(bit == 1.0).checked_shl(i).unwrap_or(0);
+        let heater = |(bit, i): (f32, u32)| usize::from(bit == 1.0).checked_shl(i).unwrap_or(0);
         let true_wind_m_s = TRUE_WIND.map(|name| self.number(name, at));
         let gas_temperature_c = self.number(GAS_TEMPERATURE, at);
         FeedRow {

@@ -189,7 +189,7 @@ impl<const N: usize> Instrument<N> {
     /// Adds the state after both halves to a digest.
     pub fn digest(&self, tick: &Tick<N>, report: Option<&WindTick>, digest: &mut Digest) {
         self.controller.digest(tick, digest);
-        self.anemometer.digest(report, digest);
+        self.anemometer.digest(tick.elements, report, digest);
     }
 }
 

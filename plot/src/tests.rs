@@ -45,7 +45,7 @@ fn noisy_in(rows: u32, metadata: &[(&str, &str)], gas: bool) -> Recording {
             temperature_c: &temperature_c,
             power_w: &power_w,
             equivalent_power_w: &[],
-            heaters: (random() * 64.0) as u16,
+            heaters: (random() * 64.0) as usize,
             event: ["calm", "gust <&> \"böe\""][(n / 1000 % 2) as usize],
             state: if n < rows - rows / 10 { "running" } else { "tripped:open:sector3" },
             true_wind_m_s: Some([0; 3].map(|_| f64::from(random()))),

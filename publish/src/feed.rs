@@ -66,7 +66,7 @@ pub struct FeedRow {
     /// One an observed element, W.
     pub equivalent_power_w: Vec<f32>,
     /// Bit i set: element i is held at its high level until the next row.
-    pub heaters: u16,
+    pub heaters: usize,
     /// `standby`, `running` or `tripped:<cause>:<element>`.
     pub state: Arc<str>,
     /// The wind estimate, at the end of an output interval.

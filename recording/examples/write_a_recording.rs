@@ -16,7 +16,7 @@ pub fn text() -> Result<String, Box<dyn std::error::Error>> {
             temperature_c: &[20.0 + if heated { 0.25 * f32::from(n) } else { 0.0 }],
             power_w: &[if heated { 0.042 } else { 0.0015 }],
             equivalent_power_w: &[],
-            heaters: u16::from(heated),
+            heaters: usize::from(heated),
             event: "quiescent",
             state: "running",
             true_wind_m_s: None,

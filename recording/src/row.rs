@@ -39,7 +39,7 @@ pub struct RecordingRow<'a> {
     /// At `time_s`, one an observed element.
     pub equivalent_power_w: &'a [f32],
     /// Bit i set: element i is held at its high level until the next row.
-    pub heaters: u16,
+    pub heaters: usize,
     /// Label of the conditions.
     pub event: &'a str,
     /// State of the instrument.
@@ -55,7 +55,7 @@ pub struct RecordingRow<'a> {
 impl RecordingRow<'_> {
     /// The row's cells, in the order of [`RecordingLayout::columns`].
     pub(crate) fn cells(&self) -> impl Iterator<Item = RowCell<'_>> {
-        let heaters = (0..self.temperature_c.len()).map(|i| RowCell::Number(f64::from(self.heaters >> i & 1)));
+        let heaters = (0..self.temperature_c.len()).map(|i| RowCell::Number(f64::from(self.heaters >> i & 1 == 1)));
         let conditions = self.true_wind_m_s.into_iter().flatten().chain(self.gas_temperature_c);
         std::iter::once(RowCell::Number(self.time_s))
             .chain(numbers(self.temperature_c))
@@ -106,7 +106,7 @@ impl RecordingLayout {
     /// Refuses elements that the rows cannot carry.
     pub(crate) fn check_elements(&self, path: &Path) -> Result<(), RecordingError> {
         let fault = match self.elements.len() {
-            count @ 17.. => Some(format!("{count} elements do not fit: 16 do at most")),
+            count if count > usize::BITS as usize => Some(format!("{count} elements do not fit: {} do at most", usize::BITS)),
             _ => shared_column(self.elements.iter().map(String::as_str)),
         };
         fault.map_or(Ok(()), |sentence| Err(RecordingError::new(path, sentence)))

@@ -57,7 +57,7 @@ fn main() {
         let mut check = 0_i64;
         let start = Instant::now();
         for tick in 0..ticks {
-            sensor.advance((tick.wrapping_mul(40_503) >> 3) as u16);
+            sensor.advance((tick.wrapping_mul(40_503) >> 3) as u16 as usize);
             check += i64::from(sensor.codes()[0]);
         }
         let wall_s = start.elapsed().as_secs_f64();

@@ -101,8 +101,8 @@ mod tests {
         let model = SelfHeatingConfig { mesh_rad_s: [1.7e38; 8], r_k_per_w: [-1.7e38; 8], reference_c: -1.7e38 };
         let sample = Sample {
             tick: u32::MAX,
-            heaters: Heaters(u16::MAX),
-            valid: u16::MAX,
+            heaters: Heaters(u16::MAX.into()),
+            valid: u16::MAX.into(),
             state: RunState::Tripped(Trip::of(15, Cause::Unreachable)),
             temperature_c: List::from_array([-1.7e38; MOST_ELEMENTS]),
             power_w: List::from_array([1.7e38; MOST_ELEMENTS]),

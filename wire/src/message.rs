@@ -3,6 +3,7 @@
 use crate::counters::LinkCounters;
 use crate::list::{List, MOST_ELEMENTS, Name};
 use crate::settings::{SettingsAnswer, SettingsRequest};
+use dr_core::control::state::board_mask;
 use dr_core::control::{Heaters, Margins, Refusal, RunState, SelfTestFinding, Tick, TripHistory};
 use dr_core::sensor::{FrontEndInput, Reading};
 use dr_core::wind::{MOST_SURFACES, QualityFlags, WindTick};
@@ -262,7 +263,8 @@ pub struct Sample {
     /// Levels held until the next tick.
     pub heaters: Heaters,
     /// Bit i is set if element i had a good reading.
-    pub valid: u16,
+    #[serde(with = "board_mask")]
+    pub valid: usize,
     /// State after the tick.
     pub state: RunState,
     /// °C.

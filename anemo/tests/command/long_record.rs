@@ -35,7 +35,7 @@ fn write(path: &Path, rows: usize) {
                 gas_temperature_c: None,
                 estimate: &[],
                 equivalent_power_w: &[],
-                heaters: u16::from(power_w > 0.0),
+                heaters: usize::from(power_w > 0.0),
                 event: "",
                 state: "running",
             })

@@ -8,6 +8,7 @@ mod export;
 mod head;
 mod long_record;
 mod losses;
+mod many_elements;
 mod report;
 mod steady_table;
 mod wind;

@@ -16,9 +16,9 @@
 
 use std::path::Path;
 
+use dr_core::control::MOST_ELEMENTS;
 use dr_core::model::{ConvectionObserverState, TickInput};
 use dr_core::sensor::Level;
-use wire::MOST_ELEMENTS;
 
 use super::steady_wind::{SteadyWind, SurfaceReading};
 use super::steady_winds::{BANDWIDTH_HZ, ObservedHead};
@@ -176,7 +176,7 @@ impl SteadyTable {
             }
             let input = TickInput {
                 temperature_c: &temperature_c,
-                valid: u16::MAX,
+                valid: usize::MAX,
                 read_high: 0,
                 power_w: &power_w,
                 standing_w: &power_w,

@@ -3,8 +3,8 @@
 
 use std::path::{Path, PathBuf};
 
+use dr_core::control::MOST_ELEMENTS;
 use dr_core::model::{ConvectionObserver, ConvectionObserverState, TickInput};
-use wire::MOST_ELEMENTS;
 
 use super::steady_wind::{SteadyWind, SurfaceReading};
 use crate::gas::{IdealGas, Species, ZERO_CELSIUS_K};
@@ -81,7 +81,7 @@ pub struct SteadyWindCollector<'a> {
     network: ConvectionObserver<MOST_ELEMENTS>,
     state: ConvectionObserverState<MOST_ELEMENTS>,
     /// Levels since the last tick.
-    levels: u16,
+    levels: usize,
     period_s: f64,
     found: SteadyWinds,
     current: Option<WindSums>,

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use dr_core::control::GuardConfig;
+use dr_core::control::{GuardConfig, MOST_ELEMENTS};
 use dr_core::sensor::Channel;
 
 use super::body::Body;
@@ -12,9 +12,6 @@ use super::error::CurrentsError;
 use super::table::{GuardTable, HeadTable};
 use recording::text::suggest;
 use recording::toml_file::{FileError, TomlSource};
-
-/// Heaters of more elements would not fit the masks on the wire.
-const MOST_ELEMENTS: usize = 16;
 
 /// A checked head.
 #[derive(Debug, Clone, PartialEq)]

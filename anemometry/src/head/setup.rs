@@ -1,8 +1,8 @@
 //! Set-up of an anemometer with a head's calibration; refusals name the key and line of the head
 //! file.
 
+use dr_core::control::MOST_ELEMENTS;
 use dr_core::wind::{Anemometer, WindCommand};
-use wire::MOST_ELEMENTS;
 
 use super::calibration::keys::CalibrationKeys;
 use super::file::Head;

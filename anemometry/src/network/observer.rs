@@ -1,11 +1,11 @@
 //! A quiescent-gas network as the board's configurations: filters of one bandwidth, element by
 //! element.
 
+use dr_core::control::MOST_ELEMENTS;
 use dr_core::ConfigError;
 use dr_core::model::{
     ConvectionObserver, FasterGainsConfig, GainsConfig, NetworkCrossHeatingConfig, NetworkSelfHeatingConfig,
 };
-use wire::MOST_ELEMENTS;
 
 use super::error::NetworkError;
 use super::kalman::{KalmanFilter, Plant, design};
@@ -102,7 +102,7 @@ impl SelfHeatingParameters {
 impl CrossHeatingParameters {
     fn config(&self) -> NetworkCrossHeatingConfig {
         NetworkCrossHeatingConfig {
-            // A head has 16 elements at most.
+            // No head has more elements than a mask has bits.
             from: self.from as u8,
             to: self.to as u8,
             mesh_rad_s: ascending(&self.mesh_rad_s),

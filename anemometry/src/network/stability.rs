@@ -27,8 +27,8 @@
 //! Limits: the network is taken for the truth. Where the identification is wrong, quick gains may
 //! do harm that is not seen here.
 
+use dr_core::control::MOST_ELEMENTS;
 use dr_core::model::{ConvectionObserverState, TickInput, mesh};
-use wire::MOST_ELEMENTS;
 
 use super::error::NetworkError;
 use super::gain_schedule::{JUMP_W, LAST_PERIODS};
@@ -106,15 +106,15 @@ impl ReadLevels {
         [Self::OneOf(3), Self::OneOf(6), Self::OneOf(12), Self::OneOf(24), Self::OneOf(48), Self::OneOf(96)];
 
     /// Elements of `valid` that are read at the high level at a tick.
-    fn read_high(self, valid: u16, tick: usize) -> u16 {
+    fn read_high(self, valid: usize, tick: usize) -> usize {
         let turn = |element: usize, ticks: usize| (tick + SKEW * element).is_multiple_of(ticks);
         match self {
             Self::Low => 0,
-            Self::Turns => valid * u16::from(tick.is_multiple_of(2)),
+            Self::Turns => valid * usize::from(tick.is_multiple_of(2)),
             Self::High => valid,
             Self::OneOf(ticks) => {
                 let high = (0..MOST_ELEMENTS).filter(|&element| turn(element, ticks));
-                high.fold(0, |high, element| high | 1_u16 << element) & valid
+                high.fold(0, |high, element| high | 1_usize << element) & valid
             }
         }
     }
@@ -199,7 +199,7 @@ fn courses<const S: usize>(
     let mut truth = SimulatedNetwork::new(network, sample_period_s);
     let mut state = ConvectionObserverState::default();
     let mut errors = [[0.0; MOST_ELEMENTS]; S];
-    let valid = observer.own.iter().fold(0, |valid, (place, _)| valid | 1_u16 << place);
+    let valid = observer.own.iter().fold(0, |valid, (place, _)| valid | 1_usize << place);
     let all = stretches.iter().enumerate().flat_map(|(stretch, &ticks)| (0..ticks).map(move |_| stretch));
     for (tick, stretch) in all.enumerate() {
         let jump_w = jump_w(stretch);

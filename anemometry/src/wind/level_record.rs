@@ -1,7 +1,6 @@
 //! Which elements stay at one level throughout a recording: at constant current no loop holds them.
 
-use dr_core::control::{RunState, Tick};
-use wire::MOST_ELEMENTS;
+use dr_core::control::{MOST_ELEMENTS, RunState, Tick};
 
 /// A loop changes its level far more often than this; the first tick may precede the heating.
 const MOST_CHANGES: u32 = 1;
@@ -9,8 +8,8 @@ const MOST_CHANGES: u32 = 1;
 /// Counts changes of the heater levels.
 #[derive(Debug, Clone, Default)]
 pub struct LevelRecord {
-    last: Option<u16>,
-    changes: [u32; MOST_ELEMENTS],
+    last: Option<usize>,
+    changes: Vec<u32>,
 }
 
 impl LevelRecord {
@@ -20,8 +19,9 @@ impl LevelRecord {
             return;
         }
         let changed = self.last.map_or(0, |last| last ^ tick.heaters.0);
+        self.changes.resize(tick.elements.into(), 0);
         for (i, count) in self.changes.iter_mut().enumerate() {
-            *count += u32::from(changed >> i & 1);
+            *count += (changed >> i & 1) as u32;
         }
         self.last = Some(tick.heaters.0);
     }

@@ -4,8 +4,7 @@
 //! estimates off line equal those of the board to the bit. A missing temperature was no good
 //! reading; the last good one stands in its place, as on the board.
 
-use dr_core::control::{Heaters, RunState, Tick};
-use wire::MOST_ELEMENTS;
+use dr_core::control::{Heaters, MOST_ELEMENTS, RunState, Tick};
 
 /// Time over which powers are averaged for ticks that are missing, s: long beside a switching loop,
 /// short beside a wind.
@@ -93,13 +92,13 @@ impl Ticks {
         let begins = self.first_s.is_none();
         let first_s = *self.first_s.get_or_insert(time_s);
         let share = if begins { 1.0 } else { (self.sample_period_s / HELD_S).min(1.0) as f32 };
-        let (mut valid, mut heaters, mut elements) = (0_u16, 0_u16, 0_u8);
+        let (mut valid, mut heaters, mut elements) = (0_usize, 0_usize, 0_u8);
         for (i, reading) in readings.enumerate().take(MOST_ELEMENTS) {
             if reading.temperature_c.is_finite() {
                 valid |= 1 << i;
                 self.last.temperature_c[i] = reading.temperature_c;
             }
-            heaters |= u16::from(reading.is_high) << i;
+            heaters |= usize::from(reading.is_high) << i;
             if reading.power_w.is_finite() {
                 self.mean_w[i] += share * (reading.power_w - self.mean_w[i]);
             }

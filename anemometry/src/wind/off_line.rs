@@ -1,10 +1,10 @@
 //! The board's anemometer, set up with a calibrated head, off line: it follows the ticks of a run
 //! or a recording.
 
-use dr_core::control::Tick;
+use dr_core::control::{MOST_ELEMENTS, Tick};
 use dr_core::wind::{Anemometer, WindCommand};
 use recording::toml_file::FileError;
-use wire::{MOST_ELEMENTS, WindSample};
+use wire::WindSample;
 
 use super::error::GasInputError;
 use crate::head::calibration::checked::Calibration;

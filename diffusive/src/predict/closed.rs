@@ -84,11 +84,11 @@ pub struct Prediction {
 struct Motions<'a> {
     system: &'a System,
     period_s: f64,
-    known: Vec<((usize, u32), Motion)>,
+    known: Vec<((usize, usize), Motion)>,
 }
 
 impl Motions<'_> {
-    fn of(&mut self, class: usize, mask: u32) -> Result<usize, ModelError> {
+    fn of(&mut self, class: usize, mask: usize) -> Result<usize, ModelError> {
         if let Some(at) = self.known.iter().position(|(key, _)| *key == (class, mask)) {
             return Ok(at);
         }
@@ -292,7 +292,7 @@ fn of_level(level: Level, (low_w, high_w): (f64, f64)) -> f64 {
     }
 }
 
-fn mask(modes: &[ElementMode]) -> u32 {
+fn mask(modes: &[ElementMode]) -> usize {
     modes.iter().enumerate().filter(|(_, mode)| **mode == ElementMode::Held).map(|(i, _)| 1 << i).sum()
 }
 
@@ -337,7 +337,7 @@ fn passed(mode: ElementMode, temperature_c: impl Fn() -> f64, target_c: f64) -> 
 /// 1e-12 of it.
 fn meeting(
     system: &System,
-    (class, mask): (usize, u32),
+    (class, mask): (usize, usize),
     (before, i, target_c): (&DVector<f64>, usize, f64),
     within_s: f64,
     power: &[f64],

@@ -31,7 +31,7 @@ use crate::model::pair_class::{element, name, unseen};
 use crate::model::{Model, ModelError, ModelOutput, PlacedLoss, Structure};
 
 /// Masks of held elements have so many bits.
-const MOST_ELEMENTS: usize = 16;
+const MOST_ELEMENTS: usize = usize::BITS as usize;
 
 /// A model in matrices.
 #[derive(Debug, Clone)]
@@ -294,7 +294,7 @@ impl System {
     ///
     /// # Errors
     /// If what is held has no sliding surface.
-    pub fn motion(&self, class: usize, mask: u32, time_s: f64) -> Result<Motion, ModelError> {
+    pub fn motion(&self, class: usize, mask: usize, time_s: f64) -> Result<Motion, ModelError> {
         let held: Vec<usize> = (0..self.elements()).filter(|element| mask >> element & 1 == 1).collect();
         let injected = self.injected(class, &held)?;
         let free = held.is_empty() && self.conductance[class].iter().all(|conductance| *conductance == 0.0);

@@ -20,7 +20,7 @@ use super::guard::{self, Cause, GuardConfig, ReadingJudgement, Trip};
 use super::hardware_limits::HardwareLimits;
 use super::lockout::Lockout;
 use super::rise::{self, Rise};
-use super::state::{ElementConfig, Heaters, MOST_ELEMENTS, Probe, RunState, Tick};
+use super::state::{BOARD_ELEMENTS, ElementConfig, Heaters, MOST_ELEMENTS, Probe, RunState, Tick};
 use super::targets::{self, Margins};
 use crate::checksum::Checksum;
 use crate::command::HOST_TIMEOUT_S;
@@ -110,7 +110,7 @@ pub struct Controller<const N: usize> {
 }
 
 impl<const N: usize> Controller<N> {
-    const FITS_THE_MASKS: () = assert!(N <= MOST_ELEMENTS, "heaters and validity are masks of 16 bits");
+    const FITS_THE_MASKS: () = assert!(N <= MOST_ELEMENTS, "heaters and validity are masks");
 
     /// A controller in standby that knows no element yet, on a board with these limits.
     pub fn new(hardware: &'static HardwareLimits) -> Self {
@@ -135,7 +135,7 @@ impl<const N: usize> Controller<N> {
             lockout: Lockout::new(),
             host_timeout_s: HOST_TIMEOUT_S,
             host_silence: None,
-            fingerprint_ohm: [0.0; MOST_ELEMENTS],
+            fingerprint_ohm: [0.0; BOARD_ELEMENTS],
             head: HeadCheck::default(),
         };
         new.update_checksums();
@@ -306,7 +306,7 @@ impl<const N: usize> Controller<N> {
 
     /// Compares the head on the plug with the fingerprint until it fits; trips before another one
     /// is heated.
-    fn compare_head(&mut self, valid: u16) -> Option<Trip> {
+    fn compare_head(&mut self, valid: usize) -> Option<Trip> {
         if self.head == HeadCheck::Same {
             return None;
         }
@@ -368,7 +368,7 @@ impl<const N: usize> Controller<N> {
     }
 
     /// Judges the readings; returns the mask of good ones and the first fault.
-    fn judge_readings(&mut self, readings: &[Reading; N]) -> (u16, Option<Trip>) {
+    fn judge_readings(&mut self, readings: &[Reading; N]) -> (usize, Option<Trip>) {
         let (mut valid, mut fault) = (0, None);
         for (i, ((element, state), reading)) in self.elements.iter().zip(&mut self.states).zip(readings).enumerate() {
             let Some(element) = element else { break };
@@ -397,7 +397,7 @@ impl<const N: usize> Controller<N> {
     }
 
     /// Steps the drive of every element with a good reading; the levels of the others go low.
-    fn decide(&mut self, valid: u16) -> Option<Trip> {
+    fn decide(&mut self, valid: usize) -> Option<Trip> {
         let (mut trip, mut high) = (None, 0);
         let no_rise_ticks = self.sample_period_s.map_or(0, |period_s| (self.hardware.no_rise_s / period_s) as u32);
         let no_rise_full = rise::full(no_rise_ticks);
@@ -412,7 +412,7 @@ impl<const N: usize> Controller<N> {
                 power_low_w: channel.power_w(state.resistance_ohm, Level::Low),
                 power_high_w: channel.power_w(state.resistance_ohm, Level::High),
             };
-            high |= u16::from(element.drive.step(&mut state.drive, &input) == Level::High) << i;
+            high |= usize::from(element.drive.step(&mut state.drive, &input) == Level::High) << i;
             state.saturated_ticks = if state.drive.saturated { state.saturated_ticks.saturating_add(1) } else { 0 };
             let regulates = element.drive.target_range_c().is_some();
             let no_rise = state.rise.is_missing(self.levels.level(i), state.temperature_c, regulates, no_rise_full);
@@ -430,20 +430,20 @@ impl<const N: usize> Controller<N> {
 
     /// Sets the element under test to the high level if its reading is good; ends a test that has
     /// exceeded its time.
-    fn pulse(&mut self, valid: u16, probe: Probe) {
+    fn pulse(&mut self, valid: usize, probe: Probe) {
         if !self.is_armed() {
             self.state = RunState::Standby;
             return;
         }
         self.levels = Heaters(match probe {
-            Probe::Pulse(element) => valid & 1_u16.checked_shl(u32::from(element)).unwrap_or(0),
+            Probe::Pulse(element) => valid & 1_usize.checked_shl(u32::from(element)).unwrap_or(0),
             Probe::None | Probe::Blind => 0,
         });
     }
 
     /// Computes the power of every element and steps its model; returns powers and equivalent
     /// controls.
-    fn update_models(&mut self, valid: u16) -> ([f32; N], [f32; N]) {
+    fn update_models(&mut self, valid: usize) -> ([f32; N], [f32; N]) {
         let (mut powers_w, mut equivalents_w) = ([0.0; N], [0.0; N]);
         let sample_period_s = self.sample_period_s.unwrap_or(0.0);
         let states = self.states.iter_mut().zip(&mut self.energy).zip(&mut powers_w).zip(&mut equivalents_w);

@@ -17,10 +17,10 @@
 //! again after a start, a new fingerprint, or a trip that looks like a plug that was pulled.
 
 use super::guard::{Cause, Trip};
-use super::state::MOST_ELEMENTS;
+use super::state::BOARD_ELEMENTS;
 
 /// Resistances of a head at the low level, Ω; 0 for an element that is not compared.
-pub type Fingerprint = [f32; MOST_ELEMENTS];
+pub type Fingerprint = [f32; BOARD_ELEMENTS];
 
 /// Largest resistance of an element, Ω.
 pub const LARGEST_OHM: f32 = 1e6;

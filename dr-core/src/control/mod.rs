@@ -25,5 +25,5 @@ pub use refusal::Refusal;
 pub use self_test::SelfTest;
 pub use self_test::finding::{PulseResponse, SelfTestFault, SelfTestFaults, SelfTestFinding};
 pub use self_test::plan::SelfTestPlan;
-pub use state::{ElementConfig, Heaters, RunState, Tick};
+pub use state::{BOARD_ELEMENTS, ElementConfig, Heaters, MOST_ELEMENTS, RunState, Tick};
 pub use targets::Margins;

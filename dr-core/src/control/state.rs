@@ -51,18 +51,45 @@ pub(crate) enum Probe {
     Pulse(u8),
 }
 
-/// Most elements of any controller: as many as a mask of levels or readings has bits.
-pub const MOST_ELEMENTS: usize = 16;
+/// Most elements of any controller: as many as a mask of levels or readings has bits. Boards have
+/// fewer.
+pub const MOST_ELEMENTS: usize = usize::BITS as usize;
+
+/// Most elements of a board: as many as masks have bits where they travel, and as its messages and
+/// settings have room for.
+pub const BOARD_ELEMENTS: usize = u16::BITS as usize;
 
 /// Levels of all elements: bit i is set while element i is at its high level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Heaters(pub u16);
+pub struct Heaters(#[cfg_attr(feature = "serde", serde(with = "board_mask"))] pub usize);
+
+/// A mask of elements as it travels: that of a board. One of more elements is refused.
+#[cfg(feature = "serde")]
+pub mod board_mask {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer, ser::Error};
+
+    /// Writes it.
+    ///
+    /// # Errors
+    /// If it is not that of a board, or as `to` has them.
+    pub fn serialize<S: Serializer>(mask: &usize, to: S) -> Result<S::Ok, S::Error> {
+        u16::try_from(*mask).map_err(|_| S::Error::custom("no board has so many elements"))?.serialize(to)
+    }
+
+    /// Reads it.
+    ///
+    /// # Errors
+    /// As `from` has them.
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<usize, D::Error> {
+        u16::deserialize(from).map(usize::from)
+    }
+}
 
 impl Heaters {
     /// Whether element `i` is at its high level.
     pub const fn is_high(self, i: usize) -> bool {
-        i < 16 && self.0 >> i & 1 == 1
+        i < MOST_ELEMENTS && self.0 >> i & 1 == 1
     }
 
     /// The level of element `i`.
@@ -91,7 +118,7 @@ pub struct Tick<const N: usize> {
     /// Levels held until the next tick.
     pub heaters: Heaters,
     /// Bit i is set if element i had a good reading in this tick.
-    pub valid: u16,
+    pub valid: usize,
     /// Temperatures at this tick, °C; the last good one where the reading was not.
     pub temperature_c: [f32; N],
     /// Heating power held until the next tick, W.

@@ -11,7 +11,8 @@ pub mod sliding;
 pub mod symbol;
 
 pub use convection_observer::config::{
-    AlarmConfig, FasterGainsConfig, GainsConfig, NetworkCrossHeatingConfig, NetworkSelfHeatingConfig,
+    AlarmConfig, BOARD_FASTER_ELEMENTS, BOARD_PAIRS, FasterGainsConfig, GainsConfig, NetworkCrossHeatingConfig,
+    NetworkSelfHeatingConfig,
 };
 pub use convection_observer::{ConvectionEstimate, ConvectionObserver, ConvectionObserverState, TickInput};
 pub use observer::{ObservedPower, Observer, ObserverState};

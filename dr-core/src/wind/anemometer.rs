@@ -32,13 +32,14 @@ mod output;
 mod setup;
 
 use crate::checksum::Checksum;
-use crate::control::state::{RunState, Tick};
+use crate::control::state::{BOARD_ELEMENTS, MOST_ELEMENTS, RunState, Tick};
 use crate::digest::Digest;
 use crate::error::{self, ConfigError, Parameter};
 use crate::fields::Fields;
 use crate::model::convection_observer::{
     ConvectionEstimate, ConvectionObserver, ConvectionObserverState, NO_SUCH_ELEMENT, TickInput,
 };
+use crate::room::room;
 use crate::wind::estimate::WindEstimate;
 use crate::wind::form::MOST_SURFACES;
 use crate::wind::gas::GasState;
@@ -57,8 +58,8 @@ const STARTING_WARM: f32 = 3.0;
 
 /// Settings that are verified piece by piece, beside those of the network.
 const OTHER_PIECES: usize = 3;
-/// Pieces of the largest instrument, which has 16 elements.
-const MOST_PIECES: usize = ConvectionObserver::<16>::PIECES + OTHER_PIECES;
+/// Pieces of the largest instrument.
+const MOST_PIECES: usize = ConvectionObserver::<{ room(BOARD_ELEMENTS, MOST_ELEMENTS) }>::PIECES + OTHER_PIECES;
 
 /// The wind estimate of one tick, with the quantities from which it was made.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -98,12 +99,12 @@ pub struct Anemometer<const N: usize> {
 struct AnemometerState<const N: usize> {
     network: ConvectionObserverState<N>,
     /// Levels since the last tick.
-    levels: u16,
+    levels: usize,
     /// Ticks in a row without a reading.
     absent_ticks: [u32; N],
     /// Ticks in a row at the same level, of elements that have been heated since the run began.
     level_ticks: [u32; N],
-    heated: u16,
+    heated: usize,
     /// Ticks since the network began, and how many of them it is starting.
     ticks: u32,
     starting_ticks: u32,
@@ -304,14 +305,17 @@ impl<const N: usize> Anemometer<N> {
         self.setup.gas_law.as_ref()?.at(self.pressure_pa?, gas_c?).ok()
     }
 
-    /// Adds the state and the estimate to a digest; nothing before the set-up is complete.
-    pub fn digest(&self, report: Option<&WindTick>, digest: &mut Digest) {
+    /// Adds the state of an instrument of so many elements and the estimate to a digest; nothing
+    /// before the set-up is complete.
+    pub fn digest(&self, elements: u8, report: Option<&WindTick>, digest: &mut Digest) {
         if self.output.is_none() {
             return;
         }
         self.network.visit_state(&self.state.network, digest);
         self.state.gas_c.unwrap_or(0.0).visit(digest);
-        self.state.power_w.visit(digest);
+        // All of a board, whose room digests have had since there was no more.
+        let powers_w = self.state.power_w.get(..usize::from(elements).max(BOARD_ELEMENTS));
+        f32::visit_each(powers_w.unwrap_or(&self.state.power_w), digest);
         if let Some(report) = report {
             let WindTick { conductance_w_k, raw_w_k, wind, quality_flags, surfaces, gas_c: _ } = report;
             quality_flags.0.visit(digest);

@@ -114,7 +114,7 @@ impl StreamAround {
 impl Inverse<'_> {
     /// The surfaces that were measured.
     pub fn seen(&self) -> impl Iterator<Item = (&NusseltSurface, WeightedNusselt)> {
-        self.surfaces.iter().zip(self.observed).filter_map(|(part, observed)| observed.map(|observed| (part, observed)))
+        self.surfaces.iter().zip(&self.observed).filter_map(|(part, observed)| Some((part, (*observed)?)))
     }
 
     /// Goes down from a Reynolds vector.

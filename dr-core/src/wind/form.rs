@@ -15,10 +15,13 @@
 //! The `corner` of a surface of a cylinder is along the axis of the body, that of a wire across the
 //! plane of the wires.
 
+use crate::room::room;
 use core::ops::RangeInclusive;
 
+/// Most surfaces of a head on a board.
+pub const BOARD_SURFACES: usize = 8;
 /// Most surfaces of a head.
-pub const MOST_SURFACES: usize = 8;
+pub const MOST_SURFACES: usize = room(BOARD_SURFACES, 32);
 
 /// Kind of the body that the surfaces belong to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -69,7 +69,7 @@ pub use anemometer::command::{HeadSurface, WindCommand, WindOutputConfig};
 pub use anemometer::{Anemometer, WindTick};
 pub use card_inverse::{Card, CardConfig};
 pub use estimate::WindEstimate;
-pub use form::{HeadForm, MOST_SURFACES};
+pub use form::{BOARD_SURFACES, HeadForm, MOST_SURFACES};
 pub use gas::GasState;
 pub use gas_law::{GasLaw, GasLawConfig};
 pub use nusselt::{Nusselt, NusseltConfig};

@@ -27,7 +27,7 @@ const SETTLE_NS: u32 = 500;
 pub struct HeaterPins<P, const N: usize> {
     pins: [P; N],
     /// The levels that they should have.
-    written: u16,
+    written: usize,
 }
 
 impl<P: OutputPin + InputPin, const N: usize> HeaterPins<P, N> {
@@ -90,13 +90,13 @@ impl<P: OutputPin + InputPin, const N: usize> HeaterPins<P, N> {
         Ok(())
     }
 
-    fn try_apply(&mut self, bits: u16) -> Result<(), HeaterError> {
-        if u32::from(bits) >> N != 0 {
+    fn try_apply(&mut self, bits: usize) -> Result<(), HeaterError> {
+        if bits >> N != 0 {
             return Err(HeaterError::NoSuchElement);
         }
         for high in [false, true] {
             for (element, pin) in self.pins.iter_mut().enumerate() {
-                if (bits >> element) & 1 == u16::from(high) {
+                if (bits >> element) & 1 == usize::from(high) {
                     pin.set_state(high.into()).map_err(|_| HeaterError::Pin { element })?;
                 }
             }
@@ -140,7 +140,7 @@ mod tests {
         }
     }
 
-    fn apply(heaters: &mut HeaterPins<Mock, 3>, bits: u16) -> Result<(), HeaterError> {
+    fn apply(heaters: &mut HeaterPins<Mock, 3>, bits: usize) -> Result<(), HeaterError> {
         heaters.apply(Heaters(bits), &mut NoopDelay::new())
     }
 

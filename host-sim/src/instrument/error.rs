@@ -48,6 +48,16 @@ pub enum InstrumentError {
         /// Of the board.
         board: usize,
     },
+    /// The head is more than boards have room for.
+    #[error("the head has {head} {what}, boards have room for {board}")]
+    NoRoom {
+        /// Of what there is too much.
+        what: &'static str,
+        /// Of the head.
+        head: usize,
+        /// Of a board.
+        board: usize,
+    },
     /// The link broke.
     #[error("the link to the board broke: {0}")]
     BoardLink(#[from] io::Error),

@@ -1,18 +1,20 @@
 //! The controller in this process: the fastest body, and the one that the others are held against.
 
 use super::error::InstrumentError;
-use super::lock_step::{LockStepController, packed};
+use super::lock_step::{LockStep, LockStepController};
 use super::observation::{LinkReport, TickReport};
-use super::port::granted_by;
-use dr_core::control::SelfTestFinding;
+use super::port::{InstrumentPort, granted_by};
+use crate::sensor::Sensor;
+use dr_core::control::{BOARD_ELEMENTS, MOST_ELEMENTS, SelfTestFinding};
 use dr_core::sensor::{FrontEndInput, Reading};
 use dr_core::{Command, Digest, Instrument, Reply};
-use wire::{BoardKind, FromBoard, Identity, MOST_ELEMENTS, Name, ResetCause};
+use wire::{BoardKind, Identity, Name, ResetCause};
 
-/// dr-core's controller and anemometer, called directly.
-pub struct InProcess {
+/// dr-core's controller and anemometer, called directly, with room for N elements: by default those
+/// of a board, since room costs time in every tick.
+pub struct InProcess<const N: usize = BOARD_ELEMENTS> {
     identity: Identity,
-    station: Instrument<MOST_ELEMENTS>,
+    station: Instrument<N>,
     digest: Digest,
     findings: Vec<SelfTestFinding>,
 }
@@ -24,20 +26,37 @@ impl Default for InProcess {
 }
 
 impl InProcess {
-    /// A controller in standby, which takes any head.
+    /// A controller in standby, which takes any head of a board's size.
     pub fn new() -> Self {
         Self::of(BoardKind::Virtual)
     }
 
     /// A controller in standby that grants what such a board grants.
     pub fn of(board: BoardKind) -> Self {
+        Self::with_room(board, board.elements())
+    }
+}
+
+/// A controller for a head of so many elements, and its sensor: with the room of a board if that is
+/// enough, else with all the room that there can be.
+pub fn of_head(elements: usize, sensor: Sensor) -> Box<dyn InstrumentPort> {
+    if elements <= BOARD_ELEMENTS {
+        return Box::new(LockStep::new(InProcess::new(), sensor));
+    }
+    let all = InProcess::<MOST_ELEMENTS>::with_room(BoardKind::Virtual, MOST_ELEMENTS);
+    Box::new(LockStep::new(all, sensor))
+}
+
+impl<const N: usize> InProcess<N> {
+    /// One that grants what such a board grants, for so many elements.
+    fn with_room(board: BoardKind, elements: usize) -> Self {
         let firmware = Name::try_from(concat!("anemo ", env!("CARGO_PKG_VERSION"), " in process")).unwrap_or_default();
         let order = dr_core::model::ORDER as u8;
         Self {
             identity: Identity {
                 firmware,
                 board,
-                elements: board.elements() as u8,
+                elements: elements as u8,
                 order,
                 reset: ResetCause::PowerOn,
                 starts: 1,
@@ -51,7 +70,7 @@ impl InProcess {
     }
 
     /// The station itself, for what happens to it beside commands and readings.
-    pub fn station_mut(&mut self) -> &mut Instrument<MOST_ELEMENTS> {
+    pub fn station_mut(&mut self) -> &mut Instrument<N> {
         &mut self.station
     }
 
@@ -61,7 +80,20 @@ impl InProcess {
     }
 }
 
-impl LockStepController for InProcess {
+/// Readings for all the room that there is, codes as a link would bring them: with 24 bit.
+fn arrived<const N: usize>(readings: &[Reading]) -> Result<[Reading; N], InstrumentError> {
+    let mut all = [Reading::Missing; N];
+    let too_many = InstrumentError::TooManyElements { head: readings.len(), board: N };
+    for (place, reading) in all.get_mut(..readings.len()).ok_or(too_many)?.iter_mut().zip(readings) {
+        *place = match *reading {
+            Reading::Code(code) => Reading::Code(code << 8 >> 8),
+            none => none,
+        };
+    }
+    Ok(all)
+}
+
+impl<const N: usize> LockStepController for InProcess<N> {
     fn identity(&self) -> &Identity {
         &self.identity
     }
@@ -76,14 +108,13 @@ impl LockStepController for InProcess {
     }
 
     fn exchange(&mut self, readings: &[Reading]) -> Result<TickReport, InstrumentError> {
-        let tick = self.station.tick(&packed(readings)?.readings());
+        let tick = self.station.tick(&arrived(readings)?);
         let wind = self.station.sense(&tick);
         self.station.digest(&tick, wind.as_ref(), &mut self.digest);
         if let Some(test) = self.station.take_self_test() {
             self.findings.extend_from_slice(test.findings());
         }
-        let report = TickReport::of(FromBoard::of_tick(&tick, wind.as_ref()));
-        report.ok_or_else(|| InstrumentError::Protocol("a tick is reported by another message".to_owned()))
+        Ok(TickReport::of_tick(&tick, wind.as_ref()))
     }
 
     fn input(&self) -> FrontEndInput {

@@ -11,6 +11,7 @@
 //! The first two are a [`LockStepController`] in lock-step with the simulated
 //! [`Sensor`](crate::sensor::Sensor), see [`lock_step`].
 
+pub mod board_room;
 #[cfg(feature = "qemu")]
 pub mod emulated;
 pub mod error;
@@ -31,7 +32,7 @@ pub mod virtual_line;
 
 pub use error::InstrumentError;
 pub use lock_step::{LockStep, LockStepController};
-pub use observation::{LinkReport, Observation, TickReport};
+pub use observation::{LinkReport, Observation, TickReport, TickSample};
 pub use port::{InstrumentPort, SettingsPort, granted_by};
 pub use reset_cause::why_it_started;
 #[cfg(feature = "serial")]

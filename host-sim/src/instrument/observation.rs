@@ -1,14 +1,39 @@
 //! What an instrument reports: of each tick, and at the end of the conversation.
 
-use wire::{FromBoard, LinkCounters, List, ObservedSample, Sample, Status, WindSample};
+use dr_core::control::{Heaters, RunState, Tick};
+use dr_core::wind::WindTick;
+use wire::{FromBoard, LinkCounters, ObservedSample, Sample, Status, WindSample};
+
+/// What one tick brought: a [`Sample`] of a head of any size.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TickSample {
+    /// Number of the tick since the start of the run.
+    pub tick: u32,
+    /// Levels held until the next tick.
+    pub heaters: Heaters,
+    /// Bit i is set if element i had a good reading.
+    pub valid: usize,
+    /// State after the tick.
+    pub state: RunState,
+    /// °C.
+    pub temperature_c: Vec<f32>,
+    /// W, held until the next tick.
+    pub power_w: Vec<f32>,
+}
+
+impl From<Sample> for TickSample {
+    fn from(Sample { tick, heaters, valid, state, temperature_c, power_w }: Sample) -> Self {
+        Self { tick, heaters, valid, state, temperature_c: temperature_c.to_vec(), power_w: power_w.to_vec() }
+    }
+}
 
 /// What a controller reports of one tick.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TickReport {
     /// Temperatures, powers, heater levels and run state.
-    pub sample: Sample,
+    pub sample: TickSample,
     /// What the elements' structures take by their observers, W; where these run.
-    pub equivalent_power_w: Option<List<f32>>,
+    pub equivalent_power_w: Option<Vec<f32>>,
     /// The anemometer's wind estimate, where one is due.
     pub wind: Option<WindSample>,
 }
@@ -17,13 +42,28 @@ impl TickReport {
     /// The tick of a message, if it is of one.
     pub fn of(message: FromBoard) -> Option<Self> {
         match message {
-            FromBoard::Sample(sample) => Some(Self { sample, equivalent_power_w: None, wind: None }),
+            FromBoard::Sample(sample) => Some(Self { sample: sample.into(), equivalent_power_w: None, wind: None }),
             FromBoard::Observed(ObservedSample { sample, equivalent_power_w, wind }) => {
-                let equivalent_power_w = Some(equivalent_power_w).filter(|observed| !observed.is_empty());
-                Some(Self { sample, equivalent_power_w, wind })
+                let equivalent_power_w = Some(equivalent_power_w.to_vec()).filter(|observed| !observed.is_empty());
+                Some(Self { sample: sample.into(), equivalent_power_w, wind })
             }
             _ => None,
         }
+    }
+
+    /// A tick of a controller in this process, as messages would bring it.
+    pub fn of_tick<const N: usize>(tick: &Tick<N>, wind: Option<&WindTick>) -> Self {
+        let list = |of: &[f32; N]| of.iter().copied().take(tick.elements.into()).collect::<Vec<f32>>();
+        let sample = TickSample {
+            tick: tick.tick,
+            heaters: tick.heaters,
+            valid: tick.valid,
+            state: tick.state,
+            temperature_c: list(&tick.temperature_c),
+            power_w: list(&tick.power_w),
+        };
+        let equivalent_power_w = tick.equivalent_power_w.as_ref().filter(|_| tick.elements > 0).map(list);
+        Self { sample, equivalent_power_w, wind: wind.map(WindSample::from) }
     }
 }
 
@@ -31,9 +71,9 @@ impl TickReport {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Observation {
     /// What the board reports.
-    pub sample: Sample,
+    pub sample: TickSample,
     /// What the elements' structures take by their observers, W; where these run.
-    pub equivalent_power_w: Option<List<f32>>,
+    pub equivalent_power_w: Option<Vec<f32>>,
     /// The anemometer's wind estimate, where one is due.
     pub wind: Option<WindSample>,
     /// True wind over the tick that follows the sample, m/s, where it is simulated.
@@ -47,7 +87,7 @@ pub struct Observation {
 impl Observation {
     /// Whether every list has an entry for each of so many elements, and none more.
     pub fn is_of(&self, elements: usize) -> bool {
-        let Sample { temperature_c, power_w, .. } = &self.sample;
+        let TickSample { temperature_c, power_w, .. } = &self.sample;
         [Some(temperature_c), Some(power_w), self.equivalent_power_w.as_ref()]
             .into_iter()
             .flatten()

@@ -7,7 +7,8 @@ use dr_core::{Command, Reply};
 use super::error::RunError;
 use super::refusal;
 use crate::experiment::{DriveChange, Experiment};
-use crate::instrument::in_process::InProcess;
+use crate::instrument::board_room::fits_boards;
+use crate::instrument::in_process::{self, InProcess};
 use crate::instrument::{InstrumentError, InstrumentPort, LockStep, setup};
 use wire::BoardKind;
 
@@ -22,14 +23,20 @@ pub struct SetPointJudgement {
 }
 
 /// Lets a controller in this process judge the set-up and all changes before any instrument is
-/// touched: one that grants what a board of this kind does.
-pub fn rehearse(experiment: &Experiment, board: BoardKind) -> Result<SetPointJudgement, RunError> {
+/// touched: one that grants what a board of this kind does, or all that there can be without one.
+pub fn rehearse(experiment: &Experiment, board: Option<BoardKind>) -> Result<SetPointJudgement, RunError> {
     // Which sensor is around it does not matter: no time passes.
     let sensor = experiment.simulated(&experiment.sensor_config().unwrap_or_default())?;
-    let mut instrument = LockStep::new(InProcess::of(board), sensor);
-    let judgement = start(experiment, &mut instrument)?;
+    let mut instrument = match board {
+        Some(board) => Box::new(LockStep::new(InProcess::of(board), sensor)),
+        None => in_process::of_head(experiment.head.elements.len(), sensor),
+    };
+    let judgement = start(experiment, instrument.as_mut())?;
+    if board.is_some() {
+        fits_boards(&setup_of(experiment)?).map_err(|error| of_the_head(experiment, &error))?;
+    }
     for change in &experiment.changes {
-        change_drives(experiment, &mut instrument, change, &mut |_, _| ())?;
+        change_drives(experiment, instrument.as_mut(), change, &mut |_, _| ())?;
     }
     Ok(judgement)
 }
@@ -61,9 +68,7 @@ pub fn start(experiment: &Experiment, instrument: &mut dyn InstrumentPort) -> Re
             }
             None => error.into(),
         },
-        InstrumentError::TooManyElements { .. } => {
-            experiment.source.refuse("head", format!("cannot be used: {error}")).into()
-        }
+        InstrumentError::TooManyElements { .. } => of_the_head(experiment, &error),
         _ => RunError::from(error),
     })?;
     let Reply::Started { judged, unjudged } = reply else {
@@ -79,6 +84,11 @@ pub fn start(experiment: &Experiment, instrument: &mut dyn InstrumentPort) -> Re
         }
     }
     Ok(judgement)
+}
+
+/// The refusal of a head that is too large.
+fn of_the_head(experiment: &Experiment, error: &InstrumentError) -> RunError {
+    experiment.source.refuse("head", format!("cannot be used: {error}")).into()
 }
 
 /// The element that a refusal is about.

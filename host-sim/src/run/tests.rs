@@ -8,7 +8,7 @@ use crate::instrument::{InstrumentError, InstrumentPort, LinkReport, LockStep, O
 use dr_core::control::{HardwareLimits, RunState, SelfTestFinding};
 use dr_core::{Command, Instrument, Reply};
 use recording::RecordingError;
-use wire::{BoardKind, Identity};
+use wire::Identity;
 
 /// A shipped experiment, shortened.
 fn shortened(name: &str, from: &str, to: &str) -> Experiment {
@@ -97,7 +97,7 @@ fn set_points_of_changes_are_judged_and_said_to_be_missed_too() {
     let mut experiment = shortened("steady.toml", wind, &format!("{text}{wind}"));
     experiment.ticks = 200;
     let plain = shortened("steady.toml", wind, wind);
-    let judged = |experiment| rehearse(experiment, BoardKind::Virtual).unwrap();
+    let judged = |experiment| rehearse(experiment, None).unwrap();
     let (with, without) = (judged(&experiment), judged(&plain));
     assert_eq!(with.judged + with.unjudged, without.judged + without.unjudged + 2);
     let summary = run(&experiment, in_process(&experiment), &mut |_| Ok(())).unwrap();

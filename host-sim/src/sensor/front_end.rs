@@ -59,6 +59,8 @@ struct FrontEndChannel {
     platinum: Platinum,
     /// Low and high.
     current_a: [f64; 2],
+    /// Square of the one that is held, A².
+    held_a2: f64,
     fault: Option<ResistorFault>,
 }
 
@@ -99,23 +101,31 @@ impl SimulatedFrontEnd {
         })
     }
 
-    /// Heat in an element at `temperature_c` with its current at the high or low level, W.
-    pub fn power_w(&self, element: usize, temperature_c: f64, high: bool) -> f64 {
+    /// Sets the currents for [`power_w`](Self::power_w); bit i of `heaters` is element i at its high
+    /// level.
+    pub fn hold(&mut self, heaters: usize) {
+        for (i, element) in self.elements.iter_mut().enumerate() {
+            let current_a = element.current_a[heaters >> i & 1];
+            element.held_a2 = current_a * current_a;
+        }
+    }
+
+    /// Heat in an element at `temperature_c` with the current that is held, W.
+    pub fn power_w(&self, element: usize, temperature_c: f64) -> f64 {
         let element = &self.elements[element];
         if element.fault.is_some() {
             return 0.0;
         }
-        let current_a = element.current_a[usize::from(high)];
-        current_a * current_a * element.resistance_ohm(temperature_c)
+        element.held_a2 * element.resistance_ohm(temperature_c)
     }
 
     /// Converts the voltage of every element into `codes`; bit i of `heaters` is element i at its
     /// high level. Draws fresh noise.
-    pub fn sample(&mut self, temperature_c: &[f64], heaters: u16, codes: &mut [i32]) {
+    pub fn sample(&mut self, temperature_c: &[f64], heaters: usize, codes: &mut [i32]) {
         let all = self.elements.iter().zip(temperature_c).zip(codes).zip(&mut self.noise_v);
         for (i, (((element, &temperature_c), code), noise_v)) in all.enumerate() {
             let volt = match element.fault {
-                None => element.current_a[usize::from(heaters >> i & 1 == 1)] * element.resistance_ohm(temperature_c),
+                None => element.current_a[heaters >> i & 1] * element.resistance_ohm(temperature_c),
                 Some(ResistorFault::Open) => f64::INFINITY,
                 Some(ResistorFault::Shorted) => 0.0,
             };
@@ -182,6 +192,7 @@ impl FrontEndChannel {
         Ok(FrontEndChannel {
             platinum,
             current_a: [low_a * off_by(current_error, low), high_a * off_by(current_error, high)],
+            held_a2: 0.0,
             fault: None,
         })
     }
@@ -203,14 +214,20 @@ mod tests {
         current_high_a: 16e-3,
     };
     const ELEMENTS: usize = 6;
-    const ALL_HIGH: u16 = 0x3F;
+    const ALL_HIGH: usize = 0x3F;
+
+    fn power_w(front_end: &SimulatedFrontEnd, element: usize, temperature_c: f64, heaters: usize) -> f64 {
+        let mut front_end = front_end.clone();
+        front_end.hold(heaters);
+        front_end.power_w(element, temperature_c)
+    }
 
     fn front_end(imperfections: Imperfections, seed: u64) -> SimulatedFrontEnd {
         let (tolerances, noise) = (ChaCha8Rng::seed_from_u64(seed), ChaCha8Rng::seed_from_u64(seed + 1000));
         SimulatedFrontEnd::new(&[NOMINAL; ELEMENTS], VOLT_PER_CODE, &imperfections, tolerances, noise).unwrap()
     }
 
-    fn sample(front_end: &mut SimulatedFrontEnd, temperature_c: f64, heaters: u16) -> [i32; ELEMENTS] {
+    fn sample(front_end: &mut SimulatedFrontEnd, temperature_c: f64, heaters: usize) -> [i32; ELEMENTS] {
         let mut codes = [0; ELEMENTS];
         front_end.sample(&[temperature_c; ELEMENTS], heaters, &mut codes);
         codes
@@ -223,8 +240,8 @@ mod tests {
         // 16 mA and 3 mA through 175 Ω.
         assert_eq!(codes[0], (2.8_f64 / VOLT_PER_CODE).round() as i32);
         assert_eq!(codes[1], (0.525_f64 / VOLT_PER_CODE).round() as i32);
-        assert!((front_end.power_w(0, 0.0, true) - 0.0448).abs() < 1e-12);
-        assert!((front_end.power_w(0, 0.0, false) - 0.001575).abs() < 1e-12);
+        assert!((power_w(&front_end, 0, 0.0, ALL_HIGH) - 0.0448).abs() < 1e-12);
+        assert!((power_w(&front_end, 0, 0.0, 0) - 0.001575).abs() < 1e-12);
     }
 
     #[test]
@@ -273,8 +290,8 @@ mod tests {
             assert!(codes[1].abs() < 20, "{}", codes[1]);
             assert!(codes[2] > 900_000);
         }
-        assert_eq!(front_end.power_w(0, -23.0, true), 0.0);
-        assert_eq!(front_end.power_w(1, -23.0, true), 0.0);
+        assert_eq!(power_w(&front_end, 0, -23.0, ALL_HIGH), 0.0);
+        assert_eq!(power_w(&front_end, 1, -23.0, ALL_HIGH), 0.0);
         front_end.set_fault(0, None);
         assert!(sample(&mut front_end, -23.0, ALL_HIGH)[0] < HIGHEST_CODE);
     }
@@ -286,13 +303,13 @@ mod tests {
         let mut sum = 0.0;
         for seed in 0..count {
             let front_end = front_end(imperfections, seed);
-            let resistance = front_end.power_w(0, 0.0, true) / (16e-3 * 16e-3);
+            let resistance = power_w(&front_end, 0, 0.0, ALL_HIGH) / (16e-3 * 16e-3);
             sum += (resistance / 175.0 - 1.0).powi(2);
         }
         let spread = (sum / count as f64).sqrt();
         // Four standard errors of a standard deviation.
         assert!((spread / 0.005 - 1.0).abs() < 4.0 / (2.0 * count as f64).sqrt(), "{spread}");
-        let power = |seed| front_end(imperfections, seed).power_w(3, 10.0, true).to_bits();
+        let power = |seed| power_w(&front_end(imperfections, seed), 3, 10.0, ALL_HIGH).to_bits();
         assert_eq!(power(7), power(7));
         assert_ne!(power(7), power(8));
     }

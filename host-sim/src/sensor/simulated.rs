@@ -95,25 +95,25 @@ impl Sensor {
                  period: join small nodes to what they sit on"
             )));
         }
+        sensor.front_end.hold(0);
         let front_end = &sensor.front_end;
-        sensor.body.settle(|i, temperature_c| front_end.power_w(i, temperature_c, false));
+        sensor.body.settle(|i, temperature_c| front_end.power_w(i, temperature_c));
         sensor.sample(0);
         Ok(sensor)
     }
 
     /// Lets one sample period pass with the heaters held; bit i of `heaters` is element i at its
     /// high level.
-    pub fn advance(&mut self, heaters: u16) {
+    pub fn advance(&mut self, heaters: usize) {
         self.apply_faults();
         self.wind_m_s = self.wind.advance();
         if self.gas_swing.is_some() {
             self.body.set_gas_temperature_k(self.gas_at_c(self.tick) + ZERO_CELSIUS_K);
         }
         self.body.set_wind(self.wind_m_s);
+        self.front_end.hold(heaters);
         let front_end = &self.front_end;
-        self.body.advance(self.sample_period_s, |i, temperature_c| {
-            front_end.power_w(i, temperature_c, heaters >> i & 1 == 1)
-        });
+        self.body.advance(self.sample_period_s, |i, temperature_c| front_end.power_w(i, temperature_c));
         self.tick += 1;
         self.sample(heaters);
     }
@@ -192,7 +192,7 @@ impl Sensor {
         }
     }
 
-    fn sample(&mut self, heaters: u16) {
+    fn sample(&mut self, heaters: usize) {
         for (i, temperature_c) in self.element_temperature_c.iter_mut().enumerate() {
             *temperature_c = self.body.element_temperature_c(i);
         }

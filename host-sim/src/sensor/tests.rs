@@ -69,8 +69,8 @@ fn of_head(name: &str) -> SensorConfig {
 }
 
 /// Some heater pattern that exercises every element.
-fn pattern(tick: u16) -> u16 {
-    (tick.wrapping_mul(40_503) >> 5) & 0x3F
+fn pattern(tick: u16) -> usize {
+    usize::from((tick.wrapping_mul(40_503) >> 5) & 0x3F)
 }
 
 #[test]
@@ -124,7 +124,7 @@ fn the_truth_of_every_sensor_balances_over_a_gusty_run() {
         let before = stored(&sensor);
         let (mut given, mut left) = (0.0, 0.0);
         for tick in 0..20_000_u16 {
-            sensor.advance(tick.wrapping_mul(40_503) >> 3);
+            sensor.advance(usize::from(tick.wrapping_mul(40_503) >> 3));
             let truth = sensor.truth();
             given += truth.flows.power_w.iter().sum::<f64>() * config.sample_period_s;
             let gas_w = truth.flows.convection_w.iter().chain(&truth.flows.radiation_w).sum::<f64>();

@@ -10,6 +10,7 @@ use wire::{MOST_ELEMENTS, Setting, SettingsRefusal, SettingsReply, SettingsReque
 use super::error::SettingsError;
 use super::kept::KeptSetting;
 use super::names;
+use crate::instrument::board_room::fits_boards;
 use crate::instrument::{InstrumentError, SettingsPort};
 use anemometry::head::Head;
 use anemometry::head::WindOutput;
@@ -45,8 +46,13 @@ pub fn usable(kept: &[KeptSetting]) -> BTreeMap<KeyNumber, Setting> {
 /// set up.
 ///
 /// # Errors
-/// The first that it does not take.
+/// The first that it does not take, or what boards have no room for.
 pub fn rehearse(settings: &BTreeMap<KeyNumber, Setting>, limits: &'static HardwareLimits) -> Result<(), SettingsError> {
+    let commands = settings.values().filter_map(|setting| match setting {
+        Setting::Command(command) => Some(command),
+        _ => None,
+    });
+    fits_boards(commands).map_err(|error| SettingsError(error.to_string()))?;
     let mut station = Instrument::<MOST_ELEMENTS>::new(limits);
     for (&number, setting) in settings {
         let Setting::Command(command) = setting else { continue };
@@ -95,7 +101,7 @@ pub fn change(
 /// head.
 ///
 /// # Errors
-/// If the calibration cannot be used at this sample period.
+/// If the calibration cannot be used at this sample period, or boards have no room for the head.
 pub fn of_head(
     head: &Head,
     sample_period_s: f64,
@@ -115,6 +121,7 @@ pub fn of_head(
         let (wind, _) = made.map_err(|error| SettingsError(error.to_string()))?;
         commands.extend(wind.into_iter().map(Command::Wind));
     }
+    fits_boards(&commands).map_err(|error| SettingsError(error.to_string()))?;
     for command in commands {
         let setting = Setting::Command(command);
         if let Some(key) = setting.key() {

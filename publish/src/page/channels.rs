@@ -55,7 +55,7 @@ pub fn values(layout: &FeedLayout, row: &FeedRow, values: &mut Vec<f32>) {
     values.clear();
     values.extend((0..elements).map(|i| number(&row.temperature_c, i)));
     values.extend((0..elements).map(|i| number(&row.power_w, i)));
-    let bit = |i| row.heaters.checked_shr(i).map_or(f32::NAN, |bits| f32::from(bits & 1));
+    let bit = |i| row.heaters.checked_shr(i).map_or(f32::NAN, |bits| f32::from(bits & 1 == 1));
     values.extend((0..elements as u32).map(bit));
     if !layout.surfaces.is_empty() {
         let wind: Option<&FeedWind> = row.wind.as_ref();

@@ -85,7 +85,7 @@ fn the_pins_have_the_levels_that_samples_report() {
     let mut seen = 0;
     // A sample is with the host some two milliseconds after its tick.
     Rig::observe(&mut instrument, 100, |sample| {
-        assert_eq!(u16::from(rig.machine().board().heaters()), sample.heaters.0, "tick {}", sample.tick);
+        assert_eq!(usize::from(rig.machine().board().heaters()), sample.heaters.0, "tick {}", sample.tick);
         seen |= sample.heaters.0;
     });
     assert_eq!(seen, 0b1111);

@@ -6,8 +6,7 @@ use recording::{POWER, RecordingRow, TEMPERATURE, column_name};
 use super::error::StudyError;
 use diffusive::identify::record::RecordTable;
 use host_sim::experiment::Experiment;
-use host_sim::instrument::LockStep;
-use host_sim::instrument::in_process::InProcess;
+use host_sim::instrument::in_process;
 use host_sim::run::{RunError, run};
 
 /// Runs an experiment on the controller of this process around the simulated sensor; a trip is an
@@ -16,8 +15,8 @@ pub fn rows(
     experiment: &Experiment,
     sink: &mut dyn FnMut(&RecordingRow<'_>) -> Result<(), RunError>,
 ) -> Result<(), StudyError> {
-    let instrument = LockStep::new(InProcess::new(), experiment.sensor()?);
-    let summary = run(experiment, Box::new(instrument), sink)?;
+    let instrument = in_process::of_head(experiment.head.elements.len(), experiment.sensor()?);
+    let summary = run(experiment, instrument, sink)?;
     match summary.trips.first() {
         None => Ok(()),
         Some(trip) => Err(StudyError::Other(format!(

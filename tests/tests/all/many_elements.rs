@@ -96,7 +96,7 @@ fn side_by_side(elements: usize, observe: bool, ticks: u32, way: Way) -> u64 {
     }
     // All but the passive ones have heated, to the last.
     let passive = (0..elements).filter(|i| i % 6 == 5).fold(0, |mask, i| mask | 1 << i);
-    assert_eq!(u32::from(ever_high), ((1_u32 << elements) - 1) & !passive);
+    assert_eq!(ever_high, ((1 << elements) - 1) & !passive);
     let account = InstrumentPort::finish(Box::new(board)).unwrap();
     assert_eq!((account.link.lost, account.link.damaged, account.link.repeated), (0, 0, 0));
     host.body().digest()

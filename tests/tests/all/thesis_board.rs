@@ -13,7 +13,7 @@ fn recorded(experiment: &Experiment, instrument: Box<dyn InstrumentPort>) -> (Ru
     let (mut rows, mut labels) = (Vec::new(), Vec::new());
     let summary = run(experiment, instrument, &mut |row| {
         let bits = row.temperature_c.iter().chain(row.power_w).map(|value| value.to_bits());
-        rows.push(bits.chain([u32::from(row.heaters)]).collect());
+        rows.push(bits.chain([row.heaters as u32]).collect());
         labels.push(format!("{} {}", row.event, row.state));
         Ok::<(), RunError>(())
     });

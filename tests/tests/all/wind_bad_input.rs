@@ -192,7 +192,7 @@ fn rewritten(desk: &Desk, name: &str, column: &str, from_s: f64, moved_s: &dyn F
         let time_s = recording.numbers("time_s").unwrap()[row];
         let Some(by_s) = moved_s(time_s) else { continue };
         let narrow = |columns: &[&[f64]]| columns.iter().map(|values| values[row] as f32).collect::<Vec<_>>();
-        let heaters = heater.iter().enumerate().map(|(i, values)| u16::from(values[row] != 0.0) << i).sum();
+        let heaters = heater.iter().enumerate().map(|(i, values)| usize::from(values[row] != 0.0) << i).sum();
         writer
             .push(&RecordingRow {
                 time_s: time_s + by_s,

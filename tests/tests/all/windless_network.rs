@@ -137,7 +137,7 @@ fn from_still_records_to_the_conductance_of_a_wind() {
             standing_w: &power_w,
         };
         let convection = network.step(&mut state, &look).unwrap();
-        read_high = all(heater, n).iter().enumerate().map(|(i, bit)| u16::from(*bit > 0.5) << i).sum();
+        read_high = all(heater, n).iter().enumerate().map(|(i, bit)| usize::from(*bit > 0.5) << i).sum();
         for i in 0..2 {
             let q = f64::from(convection.power_w[i]);
             q_sum[i] += q / 100.0;

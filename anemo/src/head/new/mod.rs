@@ -43,11 +43,12 @@ pub struct NewArguments {
         ("wire", "one hot film needle and a reference: speed", NewHeadKind::Wire),
         ("crossed-wires", "two hot film needles across each other: speed and direction in front of them", NewHeadKind::CrossedWires),
         ("cylinder", "three sectors around a tube, or as many as --sectors says: the wind across it", NewHeadKind::Cylinder),
-        ("sphere", "four, six or eight sectors of a sphere on two cores: the wind vector", NewHeadKind::Sphere),
+        ("sphere", "four sectors of a sphere on two cores, or as many as --sectors says: the wind vector", NewHeadKind::Sphere),
         ("plate", "one film on a plate and a reference: speed", NewHeadKind::Plate),
     ]))]
     kind: Option<NewHeadKind>,
-    /// Number of sectors: 3 to 8 of a cylinder, 4, 6 or 8 of a sphere; without it the least.
+    /// Number of sectors: 3 to 8, 12, 16, 24 or 32 of a cylinder, 4, 6, 8, 12, 16, 20, 24 or 32 of a
+    /// sphere; without it the least. Boards take a calibration of 8 at most.
     #[arg(long, value_name = "COUNT")]
     sectors: Option<usize>,
     /// A head file, with a [body] or a `sensor`, that the folder begins with in place of a kind.

@@ -1,6 +1,6 @@
 //! The head file that a new head begins with, by kind.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use recording::text::short;
 
@@ -35,8 +35,8 @@ impl NewHeadKind {
         match self {
             Self::Wire | Self::Plate => &[1],
             Self::CrossedWires => &[2],
-            Self::Cylinder => &[3, 4, 5, 6, 7, 8],
-            Self::Sphere => &[4, 6, 8],
+            Self::Cylinder => &[3, 4, 5, 6, 7, 8, 12, 16, 24, 32],
+            Self::Sphere => &[4, 6, 8, 12, 16, 20, 24, 32],
         }
     }
 
@@ -53,10 +53,19 @@ impl NewHeadKind {
                 let axis = |k: usize, sign: f64| std::array::from_fn(|i| if i == k { sign } else { 0.0 });
                 (0..3).flat_map(|k| [axis(k, 1.0), axis(k, -1.0)]).collect()
             }
-            (Self::Sphere, _) => {
+            (Self::Sphere, 8) => {
                 let sign = |bit: usize| if bit == 0 { 1.0 } else { -1.0 };
                 (0..8).map(|n| [sign(n & 4), sign(n & 2), sign(n & 1)]).collect()
             }
+            // On a spiral, so that all parts are alike in size.
+            (Self::Sphere, _) => (0..sectors)
+                .map(|n| {
+                    let z = 1.0 - (2 * n + 1) as f64 / sectors as f64;
+                    let (sine, cosine) = (PI * (3.0 - 5_f64.sqrt()) * n as f64).sin_cos();
+                    let across = (1.0 - z * z).sqrt();
+                    [across * cosine, across * sine, z]
+                })
+                .collect(),
             _ => (0..sectors)
                 .map(|n| {
                     let (sine, cosine) = (TAU * n as f64 / sectors as f64).sin_cos();

@@ -70,7 +70,7 @@ fn neighbours() -> Model {
 }
 
 /// Lets time pass and gives the powers at its end.
-fn pass(system: &System, mask: u32, z: &mut DVector<f64>, mut power: [f64; 2], steps: usize) -> [f64; 2] {
+fn pass(system: &System, mask: usize, z: &mut DVector<f64>, mut power: [f64; 2], steps: usize) -> [f64; 2] {
     let motion = system.motion(0, mask, 0.1).unwrap();
     let mut scratch = z.clone();
     for _ in 0..steps {

@@ -4,7 +4,7 @@
 use super::Controller;
 use crate::control::drive::Drive;
 use crate::control::guard::Limits;
-use crate::control::state::RunState;
+use crate::control::state::{MOST_ELEMENTS, RunState};
 use crate::model::SelfHeating;
 use crate::sensor::{Channel, Level};
 
@@ -16,7 +16,7 @@ enum Place<'a> {
     Number(&'a mut f32),
     Count(&'a mut u32),
     Code(&'a mut i32),
-    Levels(&'a mut u16),
+    Levels(&'a mut usize),
     Elements(&'a mut usize),
     Yes(&'a mut bool),
     RunState(&'a mut RunState),
@@ -33,7 +33,7 @@ impl Place<'_> {
             Self::Number(number) => *number = f32::from_bits(number.to_bits() ^ word),
             Self::Count(count) => *count ^= word,
             Self::Code(code) => *code ^= word.cast_signed(),
-            Self::Levels(levels) => *levels ^= 1 << (element % 16),
+            Self::Levels(levels) => *levels ^= 1 << (element % MOST_ELEMENTS),
             Self::Elements(elements) => *elements ^= 1 << (bit % 8),
             Self::Yes(yes) => *yes ^= true,
             Self::RunState(state @ RunState::Running) => *state = RunState::Standby,

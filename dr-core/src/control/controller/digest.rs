@@ -14,7 +14,10 @@ impl<const N: usize> Controller<N> {
     /// does not enter.
     pub fn digest(&self, tick: &Tick<N>, digest: &mut Digest) {
         digest.word(tick.tick);
-        digest.word(u32::from(tick.heaters.0) | u32::from(tick.valid) << 16);
+        for first in (0..self.configured.max(1)).step_by(16) {
+            let [heaters, valid] = [tick.heaters.0, tick.valid].map(|mask| mask.checked_shr(first as u32));
+            digest.word(heaters.unwrap_or(0) as u32 & 0xffff | (valid.unwrap_or(0) as u32) << 16);
+        }
         digest.word(tick.state.word());
         if let Some(equivalent_power_w) = &tick.equivalent_power_w {
             for (state, &equivalent_w) in self.states.iter().zip(equivalent_power_w).take(self.configured) {

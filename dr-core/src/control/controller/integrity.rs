@@ -104,7 +104,10 @@ impl<const N: usize> Controller<N> {
     }
 
     fn state_checksum(&self) -> Checksum {
-        let mut checksum = Checksum::of(&[self.state.word(), self.tick, self.armed_ticks, u32::from(self.levels.0)]);
+        let mut checksum = Checksum::of(&[self.state.word(), self.tick, self.armed_ticks, self.levels.0 as u32]);
+        if N > 32 {
+            checksum.word((self.levels.0 as u64 >> 32) as u32);
+        }
         checksum.word(self.head.word());
         let states = self.states.iter().zip(&self.energy);
         for (element, (state, energy)) in self.elements.iter().map_while(Option::as_ref).zip(states) {

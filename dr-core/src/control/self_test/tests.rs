@@ -32,7 +32,7 @@ const PULSE_TICKS: u32 = 50;
 #[derive(Clone)]
 struct TestHead {
     states_w: [[f64; ORDER]; ELEMENTS],
-    heaters: u16,
+    heaters: usize,
     random: u64,
     noise_v: [f64; ELEMENTS],
     offset_v: [f64; ELEMENTS],
@@ -99,7 +99,7 @@ impl TestHead {
         })
     }
 
-    fn live(&mut self, heaters: u16) {
+    fn live(&mut self, heaters: usize) {
         self.heaters = heaters;
         let rates = mesh::geometric::<ORDER>(0.003, 30.0).unwrap();
         let powers_w: [f64; ELEMENTS] = core::array::from_fn(|i| self.current_a(i).powi(2) * self.ohm(i));
@@ -335,7 +335,7 @@ fn each_element_is_heated_alone_and_for_its_pulse() {
     instrument.handle(plan(Some(PULSE_S))).unwrap();
     let (_, ticks) = run(&mut instrument, &mut TestHead::sound());
     assert_eq!(ticks.len() as u32, plan::test_ticks(PULSE_TICKS, ELEMENTS));
-    let heated = |mask: u16| ticks.iter().filter(|tick| tick.heaters.0 == mask).count() as u32;
+    let heated = |mask: usize| ticks.iter().filter(|tick| tick.heaters.0 == mask).count() as u32;
     assert_eq!((heated(1), heated(2), heated(3)), (PULSE_TICKS, PULSE_TICKS, 0));
     assert!(ticks.iter().all(|tick| tick.heaters.0 & !tick.valid == 0));
     let (last, before) = ticks.split_last().unwrap();

@@ -1,6 +1,7 @@
 //! Settings of the convection observer, as they travel over the link and are stored.
 
 use crate::model::self_heating::ORDER;
+use crate::room::room;
 
 /// Number of rates of a pair: heat from another element arrives slowly.
 pub const CROSS_ORDER: usize = 4;
@@ -8,11 +9,15 @@ pub const CROSS_ORDER: usize = 4;
 /// Most sets of faster gains of an element.
 pub const FASTER_SETS: usize = 16;
 
-/// Most elements with such sets: the surfaces of a head.
-pub const FASTER_ELEMENTS: usize = 8;
+/// Most elements with such sets on a board: the surfaces of a head.
+pub const BOARD_FASTER_ELEMENTS: usize = 8;
+/// Most elements with such sets.
+pub const FASTER_ELEMENTS: usize = room(BOARD_FASTER_ELEMENTS, 32);
 
-/// Most pairs of different elements: all pairs of a head of eight.
-pub const MOST_PAIRS: usize = 56;
+/// Most pairs of different elements on a board: all pairs of a head of eight.
+pub const BOARD_PAIRS: usize = 56;
+/// Most pairs of different elements; on a host all pairs of 32 surfaces and four more elements.
+pub const MOST_PAIRS: usize = room(BOARD_PAIRS, 1260);
 
 /// Self-heating of an element in the quiescent-gas network, with the gains of its observer.
 #[derive(Debug, Clone, Copy, PartialEq)]

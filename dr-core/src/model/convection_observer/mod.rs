@@ -121,9 +121,9 @@ pub struct TickInput<'a, const N: usize> {
     /// Temperatures, °C.
     pub temperature_c: &'a [f32; N],
     /// Bit i is set if element i was read.
-    pub valid: u16,
+    pub valid: usize,
     /// Bit i is set if element i was at its high level while it was read.
-    pub read_high: u16,
+    pub read_high: usize,
     /// Heating powers from this tick to the next, W.
     pub power_w: &'a [f32; N],
     /// Powers under which the head has stood for long, W. For the initial state only.
@@ -260,7 +260,7 @@ impl<const N: usize> ConvectionObserver<N> {
             }
             let base_c = own.rest_c + warmed_k[i];
             let x = &mut state.self_heating[i];
-            let level = usize::from(input.read_high >> i & 1);
+            let level = input.read_high >> i & 1;
             let mut error_k = 0.0;
             if input.valid >> i & 1 == 1 {
                 error_k = input.temperature_c[i] - base_c - own.symbol.output(x);
@@ -395,7 +395,7 @@ impl<const N: usize> ConvectionObserver<N> {
                 [*convection_w, *smoothed_k, *mean_weight].visit(visitor);
             }
         }
-        for (cross, _) in cross_heating.iter().zip(&self.cross_heating).filter(|(_, config)| config.is_some()) {
+        for (cross, _) in cross_heating.iter().zip(&self.cross_heating).take_while(|(_, config)| config.is_some()) {
             cross.visit(visitor);
         }
     }

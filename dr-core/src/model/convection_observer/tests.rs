@@ -170,7 +170,7 @@ fn after_a_jump(weights: [f32; 2], high_every: Option<usize>) -> Vec<f32> {
         let temperature_c = [(-50.0 + 400.0 * x) as f32];
         let taken_w = if tick < begins { 0.0 } else { 0.01 };
         x += mesh::gain(0.5, f64::from(PERIOD_S)) * (0.06 - taken_w - x);
-        let read_high = u16::from(high_every.is_some_and(|every| tick % every == 0));
+        let read_high = usize::from(high_every.is_some_and(|every| tick % every == 0));
         let look =
             TickInput { temperature_c: &temperature_c, valid: 1, read_high, power_w: &power_w, standing_w: &power_w };
         network.step(&mut state, &look).unwrap().power_w[0]

@@ -1,10 +1,10 @@
 //! Heater levels, restart and loss of power of the virtual board.
 
-use core::sync::atomic::{AtomicU16, Ordering::Relaxed};
+use core::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use cortex_m::peripheral::SCB;
 
 /// What would be the heaters' pins.
-pub static PINS: AtomicU16 = AtomicU16::new(0);
+pub static PINS: AtomicUsize = AtomicUsize::new(0);
 
 /// Puts all heaters at the low level at once.
 pub fn heaters_low() {

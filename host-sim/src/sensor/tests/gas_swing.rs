@@ -90,7 +90,7 @@ fn every_sensor_balances_in_a_swinging_gas() {
         let before = sensor.body.stored_heat_j();
         let (mut given, mut left) = (0.0, 0.0);
         for tick in 0..20_000_u16 {
-            sensor.advance(tick.wrapping_mul(40_503) >> 3);
+            sensor.advance(usize::from(tick.wrapping_mul(40_503) >> 3));
             let truth = sensor.truth();
             given += truth.flows.power_w.iter().sum::<f64>() * config.sample_period_s;
             let gas_w = truth.flows.convection_w.iter().chain(&truth.flows.radiation_w).sum::<f64>();

@@ -52,7 +52,7 @@ fn heat(hardware: &'static HardwareLimits, drive: Drive, share: f64, duration_s:
     let mut instrument = driven(hardware, channel, drive);
     let start_c = sensor.truth().element_temperature_c;
     let mut end = End { trip: None, hottest_c: f64::MIN };
-    let mut heaters = 0_u16;
+    let mut heaters = 0_usize;
     for n in 0..(duration_s / PERIOD_S) as u32 {
         let true_c = sensor.truth().element_temperature_c;
         let readings = std::array::from_fn(|i| {

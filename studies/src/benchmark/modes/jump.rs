@@ -3,8 +3,7 @@
 use std::fmt::Write as _;
 
 use host_sim::experiment::Experiment;
-use host_sim::instrument::LockStep;
-use host_sim::instrument::in_process::InProcess;
+use host_sim::instrument::in_process;
 use host_sim::run::run;
 use recording::toml_file::TomlSource;
 
@@ -79,12 +78,12 @@ pub fn course(compared: &ComparedHead, mode: OperatingMode) -> Result<JumpCourse
         TomlSource { path: compared.head.source.path.with_file_name("modes.toml"), text: text(compared, mode) };
     let experiment = Experiment::of_head(source, compared.head.clone())?;
     let sensor = experiment.sensor().map_err(|error| refuse(error.to_string()))?;
-    let instrument = LockStep::new(InProcess::new(), sensor);
+    let instrument = in_process::of_head(compared.head.elements.len(), sensor);
     let gas_c = compared.conditions.temperature_c;
     let mut means: Vec<(f64, f64)> = Vec::new();
     let mut sums = (0.0, vec![(0.0, 0.0); compared.held.len()]);
     let per_mean = (MEAN_S / experiment.sample_period_s).round();
-    let summary = run(&experiment, Box::new(instrument), &mut |row| {
+    let summary = run(&experiment, instrument, &mut |row| {
         sums.0 += 1.0;
         for (sum, &i) in sums.1.iter_mut().zip(&compared.held) {
             sum.0 += f64::from(row.power_w[i]);

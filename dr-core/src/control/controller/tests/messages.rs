@@ -15,10 +15,11 @@ fn no_two_states_have_the_same_word() {
 
 #[test]
 fn an_element_that_has_no_bit_is_not_high() {
-    for i in 0..16 {
+    for i in 0..MOST_ELEMENTS {
         assert!(Heaters(1 << i).is_high(i) && !Heaters(!(1 << i)).is_high(i));
     }
-    assert!(!Heaters(u16::MAX).is_high(16) && !Heaters(u16::MAX).is_high(usize::MAX));
+    assert!(Heaters(usize::MAX).is_high(MOST_ELEMENTS - 1));
+    assert!(!Heaters(usize::MAX).is_high(MOST_ELEMENTS) && !Heaters(usize::MAX).is_high(usize::MAX));
 }
 
 #[test]

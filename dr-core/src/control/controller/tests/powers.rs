@@ -30,7 +30,7 @@ fn the_digest_covers_the_level_that_a_drive_requests() {
         let drive = &mut changed.states[1].drive;
         let level = |is_high: bool| if is_high { Level::High } else { Level::Low };
         (drive.level, drive.saturated) = (level(bits & 1 > 0), bits & 2 > 0);
-        changed.levels = Heaters((bits & 4) as u16 >> 1);
+        changed.levels = Heaters((bits & 4) as usize >> 1);
         let mut digest = Digest::default();
         changed.digest(&tick, &mut digest);
         digests.insert(digest.value());

@@ -300,7 +300,7 @@ fn a_loop_is_saturated_after_a_second_at_one_level() {
         // Without calibration there is no wind to be worked out, which takes its time.
         let mut anemometer = sectors(&WindOutputConfig { reynolds: None, ..config() });
         let at = |n| {
-            let heaters = Heaters(u16::from(levels(n)) << element);
+            let heaters = Heaters(usize::from(levels(n)) << element);
             follow(&mut anemometer, &Tick { heaters, state, ..tick(n) })
                 .unwrap()
                 .quality_flags

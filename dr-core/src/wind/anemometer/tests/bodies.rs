@@ -41,10 +41,10 @@ fn channel() -> Channel {
 struct AnemometerBench {
     instrument: Instrument<ELEMENTS>,
     temperature_c: [f64; ELEMENTS],
-    heaters: u16,
+    heaters: usize,
     gas_c: f64,
     wind_m_s: [f32; 3],
-    absent: u16,
+    absent: usize,
 }
 
 impl AnemometerBench {

@@ -6,7 +6,7 @@ use crate::wind::WindEstimate;
 
 fn digest(anemometer: &Anemometer<ELEMENTS>, told: Option<&WindTick>) -> u64 {
     let mut digest = Digest::default();
-    anemometer.digest(told, &mut digest);
+    anemometer.digest(ELEMENTS as u8, told, &mut digest);
     digest.value()
 }
 
