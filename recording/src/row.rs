@@ -106,7 +106,9 @@ impl RecordingLayout {
     /// Refuses elements that the rows cannot carry.
     pub(crate) fn check_elements(&self, path: &Path) -> Result<(), RecordingError> {
         let fault = match self.elements.len() {
-            count if count > usize::BITS as usize => Some(format!("{count} elements do not fit: {} do at most", usize::BITS)),
+            count if count > usize::BITS as usize => {
+                Some(format!("{count} elements do not fit: {} do at most", usize::BITS))
+            }
             _ => shared_column(self.elements.iter().map(String::as_str)),
         };
         fault.map_or(Ok(()), |sentence| Err(RecordingError::new(path, sentence)))

@@ -97,6 +97,16 @@ mod tests {
     }
 
     #[test]
+    fn levels_of_more_elements_than_a_board_has_are_not_sent() {
+        let frame = |heaters| {
+            let state = RunState::Running;
+            let sample = Sample { tick: 0, heaters, valid: 0, state, temperature_c: List::new(), power_w: List::new() };
+            encode(0, &FromBoard::Sample(sample), &mut [0; MAX_FRAME]).map(<[u8]>::len)
+        };
+        assert!(frame(Heaters(1 << 15)).is_ok() && frame(Heaters(1 << 16)).is_err());
+    }
+
+    #[test]
     fn the_longest_messages_fit() {
         let model = SelfHeatingConfig { mesh_rad_s: [1.7e38; 8], r_k_per_w: [-1.7e38; 8], reference_c: -1.7e38 };
         let sample = Sample {

@@ -85,7 +85,10 @@ fn there_are_64_elements_at_most() {
     };
     with(38);
     let sentence = refused(folder, &["check", "bits.toml"]);
-    assert!(sentence.contains("head.toml, line ") && sentence.contains("`elements` are 65: a head has 1 to 64"), "{sentence}");
+    assert!(
+        sentence.contains("head.toml, line ") && sentence.contains("`elements` are 65: a head has 1 to 64"),
+        "{sentence}"
+    );
     with(37);
     // Its body knows nothing of the spare ones.
     let sentence = refused(folder, &["check", "bits.toml"]);

@@ -1,8 +1,8 @@
 //! A quiescent-gas network as the board's configurations: filters of one bandwidth, element by
 //! element.
 
-use dr_core::control::MOST_ELEMENTS;
 use dr_core::ConfigError;
+use dr_core::control::MOST_ELEMENTS;
 use dr_core::model::{
     ConvectionObserver, FasterGainsConfig, GainsConfig, NetworkCrossHeatingConfig, NetworkSelfHeatingConfig,
 };

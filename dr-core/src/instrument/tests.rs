@@ -170,7 +170,7 @@ fn the_digest_is_that_of_one_after_the_other() {
     instrument.digest(&tick, told.as_ref(), &mut both);
     instrument.controller.digest(&tick, &mut one);
     assert_ne!(both, one, "the anemometer has its share");
-    instrument.anemometer.digest(told.as_ref(), &mut one);
+    instrument.anemometer.digest(tick.elements, told.as_ref(), &mut one);
     assert_eq!(both, one);
     instrument.digest(&tick, None, &mut other);
     assert_ne!(both, other);

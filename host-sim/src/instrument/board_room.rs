@@ -36,3 +36,33 @@ pub fn fits_boards<'a>(setup: impl IntoIterator<Item = &'a Command>) -> Result<(
         None => Ok(()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use dr_core::control::{ElementConfig, Limits};
+    use dr_core::model::NetworkCrossHeatingConfig;
+    use dr_core::sensor::{Channel, Platinum};
+
+    use super::*;
+
+    #[test]
+    fn a_board_has_room_for_16_elements_and_56_pairs() {
+        let channel = Channel::new(Platinum::linear(175.0, 0.0031).unwrap(), 5e-7, 3e-3, 16e-3).unwrap();
+        let config = ElementConfig { channel, limits: Limits::SPHERE_B };
+        let elements: Vec<Command> = (0..17).map(|element| Command::Element { element, config }).collect();
+        let pair = |of: u8| {
+            let (from, to) = (of / 8, of % 8);
+            let numbers = [0.0; 4];
+            let config =
+                NetworkCrossHeatingConfig { from, to, mesh_rad_s: numbers, r_k_per_w: numbers, surface: numbers };
+            Command::Wind(WindCommand::CrossHeating(config))
+        };
+        let pairs: Vec<Command> = (0..57).map(pair).collect();
+        let said = |setup: &[Command]| fits_boards(setup).map_err(|error| error.to_string());
+        assert_eq!(said(&elements[..16]), Ok(()));
+        assert_eq!(said(&elements), Err("the head has 17 elements, boards have room for 16".to_owned()));
+        assert_eq!(said(&pairs[..56]), Ok(()));
+        let expected = "the head has 57 pairs of elements that heat each other, boards have room for 56";
+        assert_eq!(said(&pairs), Err(expected.to_owned()));
+    }
+}

@@ -33,7 +33,7 @@ impl InProcess {
 
     /// A controller in standby that grants what such a board grants.
     pub fn of(board: BoardKind) -> Self {
-        Self::with_room(board, board.elements())
+        Self::granting(board, board.elements())
     }
 }
 
@@ -43,13 +43,16 @@ pub fn of_head(elements: usize, sensor: Sensor) -> Box<dyn InstrumentPort> {
     if elements <= BOARD_ELEMENTS {
         return Box::new(LockStep::new(InProcess::new(), sensor));
     }
-    let all = InProcess::<MOST_ELEMENTS>::with_room(BoardKind::Virtual, MOST_ELEMENTS);
-    Box::new(LockStep::new(all, sensor))
+    Box::new(LockStep::new(InProcess::<MOST_ELEMENTS>::with_room(), sensor))
 }
 
 impl<const N: usize> InProcess<N> {
-    /// One that grants what such a board grants, for so many elements.
-    fn with_room(board: BoardKind, elements: usize) -> Self {
+    /// A controller in standby, which takes any head of N elements.
+    pub fn with_room() -> Self {
+        Self::granting(BoardKind::Virtual, N)
+    }
+
+    fn granting(board: BoardKind, elements: usize) -> Self {
         let firmware = Name::try_from(concat!("anemo ", env!("CARGO_PKG_VERSION"), " in process")).unwrap_or_default();
         let order = dr_core::model::ORDER as u8;
         Self {

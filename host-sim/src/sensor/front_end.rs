@@ -101,8 +101,8 @@ impl SimulatedFrontEnd {
         })
     }
 
-    /// Sets the currents for [`power_w`](Self::power_w); bit i of `heaters` is element i at its high
-    /// level.
+    /// Sets the currents for [`power_w`](Self::power_w); bit i of `heaters` is element i at its
+    /// high level.
     pub fn hold(&mut self, heaters: usize) {
         for (i, element) in self.elements.iter_mut().enumerate() {
             let current_a = element.current_a[heaters >> i & 1];

@@ -99,6 +99,16 @@ mod tests {
     use anemometry::head::Head;
     use dr_core::control::HardwareLimits;
 
+    #[test]
+    fn a_head_of_more_elements_than_a_board_has_is_refused() {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../heads/sphere-b.toml");
+        let mut head = Head::read(&path).unwrap();
+        let first = head.elements[0].clone();
+        head.elements.resize(24, first);
+        let refused = crate::settings::of_head(&head, 0.01, &mut BTreeMap::new()).unwrap_err();
+        assert_eq!(refused.to_string(), "the head has 24 elements, boards have room for 16");
+    }
+
     fn sphere_b() -> BTreeMap<KeyNumber, Setting> {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/fixtures/sphere-b-calibrated.toml");
         let head = Head::from_source(TomlSource::read(&path).unwrap()).unwrap();

@@ -16,7 +16,7 @@ pub fn tags(layout: &FeedLayout) -> String {
 
 /// A row as a line, with its end.
 pub fn line(tags: &str, columns: &FeedColumns, row: &FeedRow) -> String {
-    let mut line = format!("anemo{tags} heaters={}i,state={}", row.heaters, text(&row.state));
+    let mut line = format!("anemo{tags} heaters={}i,state={}", row.heaters.cast_signed(), text(&row.state));
     for (name, number) in columns.numbers(row) {
         // Writing to a string cannot fail.
         match name {

@@ -51,7 +51,7 @@ fn row(n: u32, state: &str) -> FeedItem {
         temperature_c: (0..6).map(|i| 20.0 + wave + 5.0 * i as f32).collect(),
         power_w: vec![0.02; ELEMENTS.len()],
         equivalent_power_w: Vec::new(),
-        heaters: n as u16,
+        heaters: n as usize,
         state: state.into(),
         wind: None,
         true_wind_m_s: Some([f64::from(wave), 1.0, 0.0]),

@@ -112,7 +112,11 @@ impl Rig {
     }
 
     /// Samples until this one, whose levels and state `judge` sees.
-    pub fn observe(instrument: &mut dyn InstrumentPort, ticks: u32, mut judge: impl FnMut(&host_sim::instrument::TickSample)) {
+    pub fn observe(
+        instrument: &mut dyn InstrumentPort,
+        ticks: u32,
+        mut judge: impl FnMut(&host_sim::instrument::TickSample),
+    ) {
         for _ in 0..ticks {
             judge(&instrument.observe().unwrap().sample);
         }

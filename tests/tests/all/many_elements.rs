@@ -3,7 +3,7 @@
 
 use anemo_tests::{experiment, firmware, sensor};
 use dr_core::Command;
-use dr_core::control::{Drive, ElementConfig, GuardConfig, Heaters, Limits, Refusal, RunState};
+use dr_core::control::{self, Drive, ElementConfig, GuardConfig, Heaters, Limits, Refusal, RunState};
 use dr_core::model::{SelfHeatingConfig, mesh};
 use dr_core::sensor::{Channel, Level, Platinum, Reading};
 use host_sim::instrument::emulated::{Emulated, EmulatorLink as Way};
@@ -115,6 +115,45 @@ fn one_and_four_and_sixteen_elements_are_the_same_to_the_bit() {
         for observe in [false, true] {
             side_by_side(elements, observe, 2_000, Way::Fifo);
         }
+    }
+}
+
+/// A controller with all the room of a host.
+fn roomy() -> InProcess<{ control::MOST_ELEMENTS }> {
+    InProcess::with_room()
+}
+
+#[test]
+fn sixty_four_elements_run_in_process() {
+    const ELEMENTS: usize = control::MOST_ELEMENTS;
+    let mut host = running(roomy(), &head(ELEMENTS, true));
+    let (mut bodies, mut heaters) = (Bodies(vec![GAS_C; ELEMENTS]), Heaters::default());
+    let (mut ever_high, mut ever_low) = (0, 0);
+    for tick in 0..2_000 {
+        let told = host.body_mut().exchange(&bodies.read(heaters, tick)).unwrap();
+        assert_eq!((told.sample.state, told.sample.power_w.len()), (RunState::Running, ELEMENTS));
+        heaters = told.sample.heaters;
+        ever_high |= heaters.0;
+        ever_low |= !heaters.0;
+        bodies.live(&told.sample.power_w);
+    }
+    let of_drive = |drive: usize| (0..ELEMENTS).filter(|i| i % 6 == drive).fold(0, |mask, i| mask | 1 << i);
+    // Drive 4 asks for the high level all the time, 5 for none.
+    assert_eq!((ever_high, ever_low | of_drive(4)), (!of_drive(5), usize::MAX));
+}
+
+#[test]
+fn room_for_more_elements_changes_no_digest() {
+    let head = head(13, true);
+    let (mut narrow, mut wide) = (running(InProcess::new(), &head), running(roomy(), &head));
+    let (mut bodies, mut heaters) = (Bodies(vec![GAS_C; 13]), Heaters::default());
+    for tick in 0..2_000 {
+        let readings = bodies.read(heaters, tick);
+        let told = narrow.body_mut().exchange(&readings).unwrap();
+        assert_eq!(told, wide.body_mut().exchange(&readings).unwrap());
+        assert_eq!(narrow.body().digest(), wide.body().digest());
+        heaters = told.sample.heaters;
+        bodies.live(&told.sample.power_w);
     }
 }
 

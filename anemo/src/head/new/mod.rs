@@ -47,8 +47,8 @@ pub struct NewArguments {
         ("plate", "one film on a plate and a reference: speed", NewHeadKind::Plate),
     ]))]
     kind: Option<NewHeadKind>,
-    /// Number of sectors: 3 to 8, 12, 16, 24 or 32 of a cylinder, 4, 6, 8, 12, 16, 20, 24 or 32 of a
-    /// sphere; without it the least. Boards take a calibration of 8 at most.
+    /// Number of sectors: 3 to 8, 12, 16, 24 or 32 of a cylinder, 4, 6, 8, 12, 16, 20, 24 or 32 of
+    /// a sphere; without it the least. Boards take a calibration of 8 at most.
     #[arg(long, value_name = "COUNT")]
     sectors: Option<usize>,
     /// A head file, with a [body] or a `sensor`, that the folder begins with in place of a kind.

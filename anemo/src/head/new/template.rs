@@ -4,6 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use recording::text::short;
 
+/// Sectors up to which the usual currents are not too much for each.
+const USUAL_MOST: f64 = 8.0;
+
 /// What is heated in the stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NewHeadKind {
@@ -95,7 +98,10 @@ impl NewHeadKind {
             .replace("HALF", &(sectors / 2).to_string())
             .replace("NEXT", &(sectors / 2 + 1).to_string());
         let text = each(&text, "SHARE(", |whole| whole / sectors as f64);
-        each(&text, "ROOT(", |whole| whole / (sectors as f64).sqrt())
+        let text = each(&text, "ROOT(", |whole| whole / (sectors as f64).sqrt());
+        // More than eight are so small that they would need less than this.
+        let smaller = (USUAL_MOST / sectors as f64).sqrt().min(1.0);
+        each(&text, "LESS(", |usual| usual * smaller)
     }
 }
 

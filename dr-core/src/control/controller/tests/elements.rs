@@ -47,7 +47,7 @@ fn three_of<const N: usize>(observe: bool) -> (Vec<u32>, u64) {
         assert_eq!(tick.state, RunState::Running);
         controller.digest(&tick, &mut digest);
         heaters = tick.heaters;
-        said.extend([u32::from(tick.heaters.0), u32::from(tick.valid)]);
+        said.extend([tick.heaters.0 as u32, tick.valid as u32]);
         for list in [Some(tick.temperature_c), Some(tick.power_w), tick.equivalent_power_w].iter().flatten() {
             said.extend(list[..3].iter().map(|number| number.to_bits()));
             assert!(list[3..].iter().all(|&number| number == 0.0));
