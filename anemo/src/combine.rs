@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use crate::output::Failure;
 use crate::picture::PictureArguments;
 use crate::recorded::RecordingOutputs;
+use anemometry::combine::combination::InstrumentAnswer;
 use anemometry::combine::estimate::Combiner;
-use anemometry::combine::readings::{CombinedReadings, RowsThatCount};
+use anemometry::combine::readings::{COMBINES, CombinedReadings, RowsThatCount};
 use anemometry::combine::report::{CombinedReport, fit};
 use anemometry::combine::vane::Vane;
 use anemometry::combine::{Combination, CombinedWind};
@@ -88,8 +89,27 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let readings = readings.map_err(Failure::usage)?;
     match combination {
         None => make(arguments, &readings),
-        Some(combination) => estimate(arguments, &combination, &readings),
+        Some(combination) => {
+            same_order(&combination, &readings)?;
+            estimate(arguments, &combination, &readings)
+        }
     }
+}
+
+/// Refuses instruments in another order than a combination has them, if their files say what they
+/// are.
+fn same_order(combination: &Combination, readings: &CombinedReadings) -> Result<(), Failure> {
+    let given = readings.whats.iter().zip(&readings.names);
+    let differs = |(wanted, what): (&str, &str)| !wanted.is_empty() && !what.is_empty() && wanted != what;
+    let mut pairs = combination.instruments.iter().zip(given);
+    let Some((wanted, (what, name))) = pairs.find(|(wanted, (what, _))| differs((&wanted.what, what))) else {
+        return Ok(());
+    };
+    let of = |of: &InstrumentAnswer| if of.what.is_empty() { of.name.clone() } else { of.what.clone() };
+    let order: Vec<String> = combination.instruments.iter().map(of).collect();
+    let order = order.join("; ");
+    let sentence = format!("{name} is of {what}, where the combination has {}; its order is {order}", wanted.what);
+    Err(Failure::usage(sentence))
 }
 
 /// The combination of a file, of as many instruments as are given.
@@ -113,8 +133,7 @@ const fn counting(arguments: &Arguments) -> RowsThatCount {
 }
 
 fn make(arguments: &Arguments, readings: &CombinedReadings) -> Result<(), Failure> {
-    let (combination, mut report) =
-        fit(&readings.names, &readings.known(counting(arguments))).map_err(Failure::work)?;
+    let (combination, mut report) = fit(readings, counting(arguments)).map_err(Failure::work)?;
     if let Some(path) = &arguments.output {
         let text = serde_json::to_string_pretty(&combination).map_err(Failure::work)?;
         crate::output::write_text(path, &(text + "\n"))?;
@@ -129,6 +148,9 @@ fn estimate(arguments: &Arguments, combination: &Combination, readings: &Combine
     let metadata: Metadata = [
         ("title", format!("wind by {}", readings.names.join(", "))),
         ("combined_by", combination.made_from.clone()),
+        (COMBINES, readings.whats.join("; ")),
+        ("counted_from_s", arguments.from.to_string()),
+        ("settle_s", arguments.settle.to_string()),
         ("software", format!("anemo {}", env!("CARGO_PKG_VERSION"))),
     ]
     .map(|(key, value)| (key.to_owned(), value))

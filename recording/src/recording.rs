@@ -126,6 +126,11 @@ impl Recording {
         elements
     }
 
+    /// What stands behind a prefix in the names of columns, in their order.
+    pub fn behind<'a>(&'a self, prefix: &'a str) -> impl Iterator<Item = &'a str> {
+        self.columns.iter().filter_map(move |column| column.name.strip_prefix(prefix))
+    }
+
     /// The name of the time column: `time_s`, or the first one in a foreign table.
     pub fn time_name(&self) -> &str {
         if self.has(TIME) { TIME } else { &self.columns[0].name }

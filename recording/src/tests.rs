@@ -29,7 +29,7 @@ fn push(writer: &mut RecordingWriter, n: usize, wind: bool) -> Result<(), Record
         temperature_c: &[-23.1 + x * 1e-3, if n == 1 { f32::NAN } else { -x }],
         power_w: &[1.5e-3 + x * 1e-6, 0.042],
         equivalent_power_w: &[],
-        heaters: (n % 4) as usize,
+        heaters: n % 4,
         event: ["", "ruhig, 2 m/s", "\"böig\" ≥ 5 m/s\nzweite Zeile"][n / 3 % 3],
         state: if n < 10 { "running" } else { "tripped:over_temperature:sector1" },
         true_wind_m_s: wind.then_some([1.0, -0.1, f64::from(x) * 0.25]),

@@ -74,6 +74,7 @@ pub enum Provocation {
 }
 
 /// Board to host.
+#[allow(clippy::large_enum_variant, reason = "room for the surfaces of a host; a board has fewer and no heap")]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[repr(u32)] // moved by words: behind a tag of one byte it would be moved byte by byte
 pub enum FromBoard {

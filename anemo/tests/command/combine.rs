@@ -87,6 +87,10 @@ fn needles_a_film_and_a_vane_know_together_what_none_knows_alone() {
     let error = |name: &str| errors[name].as_f64().unwrap();
     assert!(error("direction_rms_error_deg") < 1.0 && error("direction_worst_error_deg") < 4.0, "{errors}");
     assert!(error("speed_rms_error") < 0.01 && error("speed_worst_error") < 0.04, "{errors}");
+    let turned =
+        refused(folder, "combine needles-new.csv film-new.csv --vane junctions-new.csv=b,c,a --by all.json", 2);
+    let order = "its order is needles-known; film-known; a, b, c";
+    assert_eq!(turned, format!("anemo: junctions-new is of b, c, a, where the combination has a, b, c; {order}"));
     let picture = std::fs::read_to_string(folder.join("wind.svg")).unwrap();
     assert!(picture.contains("wind by needles-new, film-new, junctions-new") && !picture.contains("0 elements"));
     let wind = Recording::read(&folder.join("wind.parquet")).unwrap();
@@ -97,7 +101,7 @@ fn needles_a_film_and_a_vane_know_together_what_none_knows_alone() {
 
     // Without the vane four winds look alike.
     let text = String::from_utf8(anemo(folder, "combine needles-known.csv --settle 2").stdout).unwrap();
-    assert!(text.contains("1 instrument in 100 known winds across (0.00, 0.00, "), "{text}");
+    assert!(text.contains("1 instrument in 100 known winds across (0, 0, "), "{text}");
     printed(folder, "combine needles-known.csv film-known.csv --settle 2 -o two.json --json");
     let two = printed(folder, "combine needles-new.csv film-new.csv --settle 2 --by two.json --json");
     assert!(two["ambiguous"].as_u64().unwrap() > 80, "{two}");
@@ -119,7 +123,7 @@ fn what_cannot_be_combined_is_refused() {
         (
             "combine needles-few.csv",
             1,
-            "anemo: 2 known winds of 2 have estimates of all instruments; 100 do well, from everywhere or all around a plane",
+            "anemo: 2 known winds of 2 have estimates of all instruments (needles-few: 2); 100 do well, from everywhere or all around a plane",
         ),
         (
             "combine needles-known.csv --vane junctions-known.csv=a,b,d",

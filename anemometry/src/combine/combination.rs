@@ -51,6 +51,8 @@ pub struct Combination {
 pub struct InstrumentAnswer {
     /// Name of its file, without the ending.
     pub name: String,
+    /// What it is, as its file says; empty if it does not.
+    pub what: String,
     /// Whether it knows no speed.
     pub is_direction: bool,
     /// Directions in its frame in which it has estimates, one to three.
@@ -75,14 +77,22 @@ impl Combination {
     /// # Errors
     /// If there are too few winds, they are not from everywhere or all around a plane, or the
     /// instruments do not see enough of them.
-    pub fn fit(names: &[String], known: &[KnownWind]) -> Result<Self, CombineError> {
+    pub fn fit(names: &[String], whats: &[String], known: &[KnownWind]) -> Result<Self, CombineError> {
+        if known.is_empty() {
+            let sentence =
+                "no wind is known: the first file has no true winds in rows that count, or --winds not its labels";
+            return Err(CombineError(sentence.to_owned()));
+        }
         let whole: Vec<&KnownWind> = known.iter().filter(|of| of.readings.iter().all(Option::is_some)).collect();
         let towards: Vec<[f64; 3]> = whole.iter().map(|of| unit(of.wind_m_s)).collect();
         let space = WindSpace::of(&towards);
         let enough = |degree: usize| WINDS_A_FUNCTION * space.count(degree) as f64 <= whole.len() as f64;
         if !enough(1) {
+            let seen_by = |i: usize| known.iter().filter(|of| of.readings[i].is_some()).count();
+            let least = (0..names.len()).map(|i| (seen_by(i), &names[i])).min();
+            let least = least.map_or_else(String::new, |(seen, name)| format!(" ({name}: {seen})"));
             return Err(CombineError(format!(
-                "{} known winds of {} have estimates of all instruments; 100 do well, from everywhere or all around a plane",
+                "{} known winds of {} have estimates of all instruments{least}; 100 do well, from everywhere or all around a plane",
                 whole.len(),
                 known.len()
             )));
@@ -105,14 +115,14 @@ impl Combination {
         let best =
             best.ok_or_else(|| CombineError("the winds do not determine how the instruments answer".to_owned()))?;
         let mut columns = best.coefficients.column_iter().map(|of| of.iter().copied().collect());
-        let answer =
-            |((name, axes), reading): ((&String, Vec<[f64; 3]>), &Option<InstrumentReading>)| InstrumentAnswer {
-                name: name.clone(),
-                is_direction: reading.is_some_and(|of| of.is_direction),
-                coefficients: columns.by_ref().take(axes.len()).collect(),
-                axes,
-            };
-        let instruments: Vec<_> = names.iter().zip(axes).zip(&whole[0].readings).map(answer).collect();
+        let answer = |((i, axes), reading): ((usize, Vec<[f64; 3]>), &Option<InstrumentReading>)| InstrumentAnswer {
+            name: names[i].clone(),
+            what: whats[i].clone(),
+            is_direction: reading.is_some_and(|of| of.is_direction),
+            coefficients: columns.by_ref().take(axes.len()).collect(),
+            axes,
+        };
+        let instruments: Vec<_> = axes.into_iter().enumerate().zip(&whole[0].readings).map(answer).collect();
         if instruments.iter().all(|of| of.is_direction) {
             return Err(CombineError("no instrument knows a speed".to_owned()));
         }
@@ -182,13 +192,16 @@ fn axes(winds: &[&KnownWind], instrument: usize) -> Vec<[f64; 3]> {
 fn spread(space: WindSpace, towards: &[[f64; 3]]) -> Result<(), CombineError> {
     let nearest_deg = |of: [f64; 3]| towards.iter().map(|known| angle_deg(*known, of)).fold(180.0, f64::min);
     let all = space.even_directions(SOUGHT).into_iter().map(|of| (nearest_deg(of), of));
-    let (off_deg, [x, y, z]) = all.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default();
+    let (off_deg, worst) = all.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default();
     if off_deg <= WIDEST_DEG {
         return Ok(());
     }
+    // Without a minus before a zero.
+    let [x, y, z] = worst.map(|x| (10.0 * x).round() / 10.0 + 0.0);
     let where_from = if space == WindSpace::Everywhere { "from everywhere" } else { "all around their plane" };
     Err(CombineError(format!(
-        "no known wind is within {off_deg:.0}° of one that goes to ({x:.1}, {y:.1}, {z:.1}): winds {where_from} are needed"
+        "the known wind next to one that goes to ({x}, {y}, {z}) is {off_deg:.0}° off, and {WIDEST_DEG}° are the most: winds {where_from} \
+         are needed"
     )))
 }
 

@@ -266,7 +266,7 @@ mod tests {
 
     fn fitted_to(known: &[KnownWind]) -> Result<Combination, String> {
         let names: Vec<String> = (0..known[0].readings.len()).map(|n| format!("instrument{n}")).collect();
-        Combination::fit(&names, known).map_err(|error| error.to_string())
+        Combination::fit(&names, &names, known).map_err(|error| error.to_string())
     }
 
     /// Finds 77 winds that it has not seen, to `within_deg` and a share of the speed.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use recording::wind::{DIRECTION_UNCERTAINTY, SPEED_UNCERTAINTY, WIND_ESTIMATE, WIND_SPEED};
-use recording::{EVENT, Recording, RecordingError, TIME, TRUE_WIND};
+use recording::{EVENT, RAW_CONDUCTANCE, Recording, RecordingError, TIME, TRUE_WIND};
 
 use super::instrument::InstrumentReading;
 use super::vane::Vane;
@@ -11,10 +11,15 @@ use crate::vector::length;
 use crate::wind::comparison::SLOWEST_M_S;
 use crate::wind::given_winds::GivenWinds;
 
+/// Key of a file's metadata: what it combines.
+pub const COMBINES: &str = "combines";
+
 /// Instruments that were read at the same times.
 pub struct CombinedReadings {
     /// Names of the instruments: of their files, without the ending.
     pub names: Vec<String>,
+    /// What each of them is: elements and head, or what its file combines; empty if it does not say.
+    pub whats: Vec<String>,
     /// s
     pub time_s: Vec<f64>,
     /// Label of each row.
@@ -54,9 +59,9 @@ impl CombinedReadings {
         for path in paths {
             files.push(InstrumentFile::read(path)?);
         }
+        let whats = files.iter().map(|of| of.what.clone()).chain(vanes.iter().map(|of| of.junctions.join(", ")));
         let first = &files[0];
-        let step_s = first.time_s.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
-        let near_s = if step_s.is_finite() { 0.5 * step_s } else { 1.0 };
+        let near_s = 0.5 * step_s(&first.time_s);
         let mut columns: Vec<Vec<Option<InstrumentReading>>> = files.iter().map(|of| of.at(first, near_s)).collect();
         for vane in vanes {
             columns.push(vane.at(&first.time_s, near_s)?);
@@ -75,6 +80,7 @@ impl CombinedReadings {
         let rows = first.time_s.len();
         Ok(Self {
             names: sources.map(|path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned()).collect(),
+            whats: whats.collect(),
             readings: (0..rows).map(|row| columns.iter().map(|of| of[row]).collect()).collect(),
             true_wind_m_s: (0..rows).map(known).collect(),
             time_s: first.time_s.clone(),
@@ -126,9 +132,16 @@ impl CombinedReadings {
     }
 }
 
+/// The least time between rows, s; 0 of one row.
+fn step_s(time_s: &[f64]) -> f64 {
+    let steps = time_s.windows(2).map(|pair| pair[1] - pair[0]);
+    steps.reduce(f64::min).unwrap_or(0.0)
+}
+
 /// One file.
 struct InstrumentFile {
     path: PathBuf,
+    what: String,
     time_s: Vec<f64>,
     events: Vec<String>,
     true_wind_m_s: Option<Vec<[f64; 3]>>,
@@ -169,8 +182,15 @@ impl InstrumentFile {
             }
             false => vec![String::new(); table.len()],
         };
+        let surfaces: Vec<&str> = table.behind(RAW_CONDUCTANCE).collect();
+        let what = match (table.metadata(COMBINES), table.metadata("head_name")) {
+            (Some(combines), _) => combines.to_owned(),
+            (None, Some(head)) => format!("{} of head {head}", surfaces.join(", ")),
+            (None, None) => String::new(),
+        };
         Ok(Self {
             path: path.to_owned(),
+            what,
             time_s: table.finite(TIME)?.to_vec(),
             events,
             true_wind_m_s: if table.has(TRUE_WIND[0]) { Some(vectors(TRUE_WIND)?) } else { None },
@@ -180,6 +200,7 @@ impl InstrumentFile {
 
     /// What it says at the times of another one: the row that is nearest to each.
     fn at(&self, other: &Self, within_s: f64) -> Vec<Option<InstrumentReading>> {
+        let within_s = within_s.max(0.5 * step_s(&self.time_s));
         let at = |time_s: &f64| {
             let after = self.time_s.partition_point(|of| of < time_s);
             let near = [after.checked_sub(1), Some(after)].into_iter().flatten().filter(|row| *row < self.time_s.len());

@@ -23,6 +23,8 @@ pub struct CombinedErrors {
     pub compared: usize,
     /// Of these without an estimate.
     pub failed: usize,
+    /// Of these with another direction that fits about as well.
+    pub ambiguous: usize,
     /// Of direction, root mean square, °; none without an estimate, as all that follow.
     pub direction_rms_error_deg: Option<f64>,
     /// Of direction, greatest, °.
@@ -95,6 +97,7 @@ impl CombinedErrors {
         Self {
             compared: pairs.len(),
             failed: pairs.iter().filter(|(found, _)| found.is_none()).count(),
+            ambiguous: pairs.iter().filter(|(found, _)| found.is_some_and(|of| of.is_ambiguous)).count(),
             direction_rms_error_deg: direction_deg.rms(),
             direction_worst_error_deg: direction_deg.worst(),
             speed_rms_error: speed.rms(),
@@ -116,13 +119,17 @@ impl CombinedErrors {
 ///
 /// # Errors
 /// As [`Combination::fit`].
-pub fn fit(names: &[String], known: &[KnownWind]) -> Result<(Combination, CombinationReport), CombineError> {
-    let mut combination = Combination::fit(names, known)?;
+pub fn fit(
+    readings: &CombinedReadings,
+    which: RowsThatCount,
+) -> Result<(Combination, CombinationReport), CombineError> {
+    let (names, whats, known) = (&readings.names, &readings.whats, readings.known(which));
+    let mut combination = Combination::fit(names, whats, &known)?;
     let mut pairs = Vec::new();
     for fold in 0..FOLDS.min(known.len()) {
         let (out, stay): (Vec<_>, Vec<_>) = known.iter().enumerate().partition(|(n, _)| n % FOLDS == fold);
         let stay: Vec<KnownWind> = stay.into_iter().map(|(_, of)| of.clone()).collect();
-        let without = Combination::fit(names, &stay)?;
+        let without = Combination::fit(names, whats, &stay)?;
         let combiner = Combiner::new(&without);
         pairs.extend(out.into_iter().map(|(_, of)| (combiner.estimate(&of.readings), of.wind_m_s)));
     }
@@ -185,6 +192,9 @@ impl fmt::Display for CombinedErrors {
         if self.failed > 0 {
             writeln!(f, "  no wind    {} of {}", self.failed, self.compared)?;
         }
+        if self.ambiguous > 0 {
+            writeln!(f, "  ambiguous  {} of {}: another direction fits about as well", self.ambiguous, self.compared)?;
+        }
         if self.failed == self.compared {
             return Ok(());
         }
@@ -198,7 +208,11 @@ impl fmt::Display for CombinationReport {
         let (instruments, winds) = (count(self.instruments.len(), "instrument"), count(self.winds, "known wind"));
         let space = match self.space {
             WindSpace::Everywhere => "from everywhere".to_owned(),
-            WindSpace::Across([x, y, z]) => format!("across ({x:.2}, {y:.2}, {z:.2})"),
+            WindSpace::Across(normal) => {
+                // Without a minus before a zero.
+                let [x, y, z] = normal.map(|x| (100.0 * x).round() / 100.0 + 0.0);
+                format!("across ({x}, {y}, {z})")
+            }
         };
         writeln!(f, "{instruments} in {winds} {space}; functions of the direction up to degree {}", self.degree)?;
         for of in &self.instruments {

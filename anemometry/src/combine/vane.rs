@@ -49,7 +49,8 @@ impl std::str::FromStr for Vane {
 }
 
 impl Vane {
-    /// Its directions at these times, from the mean temperatures within `near_s` of each.
+    /// Its directions at these times, from the mean temperatures within `near_s` of each, or
+    /// half of its own step if that is more.
     ///
     /// # Errors
     /// If the recording cannot be read, or lacks a junction.
@@ -65,6 +66,8 @@ impl Vane {
             columns.push(table.numbers(&column)?);
         }
         let recorded_s = table.finite(TIME)?;
+        let own_s = recorded_s.windows(2).map(|pair| pair[1] - pair[0]).reduce(f64::min).unwrap_or(0.0);
+        let near_s = near_s.max(0.5 * own_s);
         let count = columns.len() as f64;
         // Twice the mean of T e^{iφ}: the first harmonic round the core, K.
         let harmonic = |row: usize| {

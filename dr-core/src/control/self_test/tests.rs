@@ -81,7 +81,7 @@ impl TestHead {
     }
 
     fn current_a(&self, i: usize) -> f64 {
-        let level = usize::from(self.heaters >> i & 1);
+        let level = self.heaters >> i & 1;
         CURRENTS_A[level] * self.currents[i][level]
     }
 

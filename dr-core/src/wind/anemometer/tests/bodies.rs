@@ -130,7 +130,7 @@ impl AnemometerBench {
             if self.absent >> i & 1 == 1 {
                 return Reading::Missing;
             }
-            let current_a = CURRENT_A[usize::from(self.heaters >> i & 1)];
+            let current_a = CURRENT_A[self.heaters >> i & 1];
             let volt = platinum.resistance_ohm(self.temperature_c[i] as f32) * current_a;
             Reading::Code((volt / VOLT_PER_CODE).round() as i32)
         });
