@@ -2,7 +2,7 @@
 
 extern crate std;
 
-use super::super::form::HeadForm;
+use super::super::form::{HeadForm, MOST_SURFACES};
 use super::super::surface_inverse::{MeasuredConductance, WindState, WindVector};
 use super::table::carbon_dioxide;
 use crate::error::Parameter;
@@ -217,7 +217,7 @@ fn heads_that_cannot_tell_what_their_form_tells_are_refused_by_name() {
     assert_eq!(refused(HeadForm::Wires, &[wire(0.3)]), Parameter::Parts);
     assert_eq!(refused(HeadForm::Wires, &[wire(0.3), wire(0.31)]), Parameter::Axis);
     assert_eq!(refused(HeadForm::Single, &[wire(0.0), wire(1.0)]), Parameter::Parts);
-    assert_eq!(refused(HeadForm::Cylinder, &[wire(0.0); 9]), Parameter::Parts);
+    assert_eq!(refused(HeadForm::Cylinder, &[wire(0.0); MOST_SURFACES + 1]), Parameter::Parts);
     let flat = WindVector::new(HeadForm::Cylinder, &king([0.0; 5]), &sectors(3), DIAMETER_M, 0.5);
     assert_eq!(flat.unwrap_err().parameter, Parameter::NusseltFirst);
 }

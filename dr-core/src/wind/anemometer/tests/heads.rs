@@ -119,7 +119,7 @@ fn a_sphere_has_two_parts_at_least_and_a_card_has_four() {
     let surfaces = |surfaces| WindCommand::Output(WindOutputConfig { surfaces, ..config() });
     let wrong = |least, most| (Parameter::Parts, ParameterProblem::OutOfRange { least, most });
     for number in [0, 1] {
-        assert_eq!(refused(&mut sphere(), surfaces(number)), wrong(2.0, 8.0), "{number}");
+        assert_eq!(refused(&mut sphere(), surfaces(number)), wrong(2.0, MOST_SURFACES as f32), "{number}");
     }
     let mut card_of = told_of(&dice());
     card_of.handle(&WindCommand::Card(card()), PERIOD_S).unwrap();
@@ -171,9 +171,9 @@ fn what_is_out_of_its_bounds_is_refused_by_name() {
     ] {
         assert_eq!(refused(&mut head, command), (parameter, problem), "{command:?}");
     }
-    let part_8 =
-        WindCommand::Surface { surface: 8, config: HeadSurface { element: 0, surface, gain: 1.0, windless_w_k: 0.0 } };
-    assert_eq!(refused(&mut head, part_8), (Parameter::Parts, range(0.0, 7.0)));
+    let config = HeadSurface { element: 0, surface, gain: 1.0, windless_w_k: 0.0 };
+    let beyond = WindCommand::Surface { surface: MOST_SURFACES as u8, config };
+    assert_eq!(refused(&mut head, beyond), (Parameter::Parts, range(0.0, MOST_SURFACES as f32 - 1.0)));
     // The bounds themselves will do.
     head.handle(&answer(&|a| a.reference = Some(4)), PERIOD_S).unwrap();
     head.handle(&part(&|p| p.gain = 0.1), PERIOD_S).unwrap();
