@@ -18,7 +18,8 @@ pub const COMBINES: &str = "combines";
 pub struct CombinedReadings {
     /// Names of the instruments: of their files, without the ending.
     pub names: Vec<String>,
-    /// What each of them is: elements and head, or what its file combines; empty if it does not say.
+    /// What each of them is: elements and head, or what its file combines; empty if it does not
+    /// say.
     pub whats: Vec<String>,
     /// s
     pub time_s: Vec<f64>,
