@@ -28,17 +28,16 @@ use recording::{Metadata, RecordingLayout, RecordingRow, WriterOptions, check_na
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
-  for n in 1 2 3
-  do anemo wind everywhere.parquet --head card$n.toml --bandwidth 0.5 \\
-      --gas-temperature 21 --pressure 24000 --every 0.5 -o known$n.parquet
-  anemo wind winds.parquet --head card$n.toml --bandwidth 0.5 \\
-      --gas-temperature 21 --pressure 24000 --every 0.5 -o card$n.parquet; done
+  anemo wind everywhere.parquet --head card1.toml --bandwidth 0.5 \\
+      --gas-temperature 21 --pressure 24000 --every 0.5 -o known1.parquet
+  anemo wind today.parquet --head card1.toml --bandwidth 0.5 \\
+      --gas-temperature 21 --pressure 24000 --every 0.5 -o card1.parquet
   anemo combine known1.parquet known2.parquet known3.parquet --from 600 \\
       --settle 10 -o boom.json
   anemo combine card1.parquet card2.parquet card3.parquet --by boom.json \\
       --from 600 --settle 10 -o wind.parquet --plot wind.svg
   anemo combine needles.parquet --from 180 --settle 5 -o lander.json \\
-      --vane winds.parquet=junction1,junction2,junction3,junction4")]
+      --vane everywhere.parquet=junction1,junction2,junction3,junction4")]
 pub struct Arguments {
     /// Files of `anemo wind`, one an instrument, in the same order every time.
     #[arg(required = true, value_name = "WINDS")]

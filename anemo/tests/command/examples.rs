@@ -30,14 +30,15 @@ const FIRST: [&str; 13] = [
 
 /// What is only parsed: a user's own table, a board and its log, the emulator, a killed program,
 /// studies of minutes.
-const PARSED: [&str; 11] = [
+const PARSED: [&str; 12] = [
     "calibrate speeds.csv",
     " mast/",
     "serial:",
     "--on qemu",
     "anemo recover",
     "anemo combine",
-    "--head card$n.toml",
+    "wind everywhere.parquet",
+    "wind today.parquet",
     "anemo benchmark",
     "anemo thesis\n",
     "anemo thesis rems",

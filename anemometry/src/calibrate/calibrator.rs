@@ -309,10 +309,13 @@ impl CalibrationResult {
 fn card(head: &Head, options: &DrawnOptions) -> Result<Option<(Vec<usize>, DrawnCard)>, CalibratorError> {
     let places = named(head, &options.elements)?;
     let normals: Vec<_> = places.iter().filter_map(|&place| head.elements[place].normal).collect();
-    let Some(normal) = normals.first().filter(|normal| normals.len() > 1 && normals.iter().all(|of| of == *normal))
-    else {
-        return Ok(None);
-    };
+    let like = |normal: &[f64; 3]| normals.iter().filter(|of| **of == *normal).count();
+    let Some(normal) = normals.iter().find(|normal| like(normal) > 1) else { return Ok(None) };
+    if like(normal) < normals.len() {
+        let sentence =
+            "--elements: dice of one card have the same outward `normal` in the head, parts of one body all others";
+        return Err(CalibratorError::Options(sentence.to_owned()));
+    }
     if places.len() != 4 {
         let sentence = format!("--elements names {} with one `normal`: a card has four dice", places.len());
         return Err(CalibratorError::Options(sentence));

@@ -126,6 +126,12 @@ pub fn drawn(
             ))
         })?,
     };
+    let twice = |n: usize| normals[..n].contains(&normals[n]);
+    if form != HeadForm::Wires && (1..normals.len()).any(twice) {
+        let sentence = "elements with a `normal`, and some look the same way, as parts of one body do not: --elements names those of one \
+                        instrument";
+        return Err(refuse(format!("has {} {sentence}", normals.len())));
+    }
     let diameter_m = options.diameter_m.or(body.diameter_m).unwrap_or(USUAL_M);
     let length_m = options.length_m.or(body.length_m).unwrap_or(USUAL_M);
     let configs = surfaces_of(form, &normals, diameter_m, length_m);
