@@ -25,6 +25,7 @@
 use std::path::Path;
 
 use dr_core::model::mesh;
+use rayon::prelude::*;
 
 use super::error::{NetworkError, NetworkIdentifyError};
 use super::record::QuiescentRecord;
@@ -66,8 +67,9 @@ struct IdentificationRound {
 }
 
 /// Identifies all records and merges their models. `read` reads record number n; it is called
-/// several times for each, so that only one record is in memory. `progress` counts the pairs of
-/// both rounds in place of rows.
+/// several times for each, so that only one record is in memory. The pairs of a record are found
+/// side by side on all processors. `progress` counts the pairs of both rounds in place of rows,
+/// record by record.
 ///
 /// # Errors
 /// Which record or pair has no model, and why.
@@ -80,19 +82,16 @@ pub fn identify(
     let first = read(0)?;
     all_driven_once(records, read, &first)?;
     let mut rounds: Vec<IdentificationRound> = Vec::new();
-    let all = 2 * (records * first.elements.len()) as u64;
-    let mut done = 0;
-    let mut next = |what| {
-        progress(what, done, all);
-        done += 1;
-    };
+    let pairs = |rounds: usize| (rounds * first.elements.len()) as u64;
     for n in 0..records {
-        rounds.push(first_round(&read(n)?, poles, &mut || next("each pair alone"))?);
+        progress("each pair alone", pairs(n), pairs(2 * records));
+        rounds.push(first_round(&read(n)?, poles)?);
     }
     let place = |driven: &str| first.elements.iter().position(|name| name == driven);
     let mut second = Vec::new();
     for n in 0..records {
-        second.push(second_round(&read(n)?, &rounds, poles, &mut || next("without others"))?);
+        progress("without others", pairs(records + n), pairs(2 * records));
+        second.push(second_round(&read(n)?, &rounds[n], &rounds, poles)?);
     }
     // In the head's order, whatever that of the files was.
     second.sort_by_key(|round| place(&round.driven));
@@ -134,55 +133,52 @@ fn options() -> IdentifyOptions {
 }
 
 /// A mesh for all temperatures at once, and free rates from it.
-fn first_round(
-    record: &QuiescentRecord,
-    poles: PolesPerPair,
-    next: &mut dyn FnMut(),
-) -> Result<IdentificationRound, NetworkIdentifyError> {
+fn first_round(record: &QuiescentRecord, poles: PolesPerPair) -> Result<IdentificationRound, NetworkIdentifyError> {
     let mut table = table(record, &(0..record.elements.len()).collect::<Vec<_>>(), &record.temperature_c)?;
     let rows = record.power_w[record.driven].len() as f64;
     let (first, last) = mesh::thesis_edges_rad_s(rows * record.sample_period_s, record.sample_period_s, 1);
     let mut given = options();
     (given.constraints.order, given.constraints.edges_rad_s) = (Some(MESH), Some((first, 2.0 * last)));
     let whole = symbol::identify(&mut table, &given, &mut |_, _, _| {}, &mut |_| {}).map_err(NetworkError::new)?;
-    let mut models = Vec::new();
-    for (output, of) in whole.outputs.iter().enumerate() {
+    let models = side_by_side(whole.outputs.len(), |output| {
+        let of = &whole.outputs[output];
         let pairs = whole.pairs.iter().filter(|pair| pair.output == of.name).cloned().collect();
         let start = Model { outputs: vec![of.clone()], pairs, end: None, warnings: Vec::new(), ..whole.clone() };
-        next();
-        models.push(free(record, output, &record.temperature_c[output], &start, poles)?);
-    }
+        free(record, output, &record.temperature_c[output], &start, poles)
+    })?;
     Ok(IdentificationRound { name: record.name.clone(), driven: record.driven_name().to_owned(), models })
 }
 
-/// Free rates again, from those of the first round, with the heating by the others' powers
+/// Free rates again, from those of the record's own first round, with the heating by the others' powers
 /// subtracted.
 fn second_round(
     record: &QuiescentRecord,
+    own: &IdentificationRound,
     rounds: &[IdentificationRound],
     poles: PolesPerPair,
-    next: &mut dyn FnMut(),
 ) -> Result<IdentificationRound, NetworkIdentifyError> {
-    let mut models = Vec::new();
-    for output in 0..record.elements.len() {
+    let models = side_by_side(record.elements.len(), |output| {
         let mut alone_c = record.temperature_c[output].clone();
-        let mut start = None;
-        for round in rounds {
-            let model = &round.models[output];
+        for round in rounds.iter().filter(|round| round.driven != record.driven_name()) {
             let Some(element) = record.elements.iter().position(|name| *name == round.driven) else { continue };
-            if element == record.driven {
-                start = Some(model);
-            } else {
-                subtract_heating(&mut alone_c, &model.pairs[0], &record.power_w[element], record.sample_period_s);
-            }
+            let pair = &round.models[output].pairs[0];
+            subtract_heating(&mut alone_c, pair, &record.power_w[element], record.sample_period_s);
         }
-        let Some(start) = start else { continue };
+        let start = &own.models[output];
         let most = start.pairs[0].mesh_rad_s.len();
         let poles = PolesPerPair { own: poles.own.min(most), cross: poles.cross.min(most) };
-        next();
-        models.push(free(record, output, &alone_c, start, poles)?);
-    }
+        free(record, output, &alone_c, start, poles)
+    })?;
     Ok(IdentificationRound { name: record.name.clone(), driven: record.driven_name().to_owned(), models })
+}
+
+/// A model of every output, on all processors; of several errors the first by output.
+fn side_by_side(
+    outputs: usize,
+    model: impl Fn(usize) -> Result<Model, NetworkIdentifyError> + Sync + Send,
+) -> Result<Vec<Model>, NetworkIdentifyError> {
+    let found: Vec<_> = (0..outputs).into_par_iter().map(model).collect();
+    found.into_iter().collect()
 }
 
 /// Subtracts the heating by a power, settled at first.
