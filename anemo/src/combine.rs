@@ -7,6 +7,7 @@ use crate::picture::PictureArguments;
 use crate::recorded::RecordingOutputs;
 use anemometry::combine::combination::InstrumentAnswer;
 use anemometry::combine::estimate::Combiner;
+use anemometry::combine::instrument::InstrumentKind;
 use anemometry::combine::readings::{COMBINES, CombinedReadings, RowsThatCount};
 use anemometry::combine::report::{CombinedReport, fit};
 use anemometry::combine::vane::Vane;
@@ -84,12 +85,17 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     let combination = arguments.by.as_deref().map(|by| combination_of(by, arguments)).transpose()?;
     let table = arguments.winds.as_deref().map(given_winds::read).transpose().map_err(Failure::usage)?;
+    if let Some(winds) = &table {
+        let warnings = winds.compare_labels(&arguments.instruments[0]).map_err(Failure::usage)?;
+        warnings.iter().for_each(|warning| crate::output::warn(warning));
+    }
     let readings = CombinedReadings::read(&arguments.instruments, &arguments.vanes, table.as_ref());
     let readings = readings.map_err(Failure::usage)?;
     match combination {
         None => make(arguments, &readings),
         Some(combination) => {
             same_order(&combination, &readings)?;
+            same_kinds(&combination, &readings)?;
             estimate(arguments, &combination, &readings)
         }
     }
@@ -111,13 +117,27 @@ fn same_order(combination: &Combination, readings: &CombinedReadings) -> Result<
     Err(Failure::usage(sentence))
 }
 
+/// Refuses an instrument that knows something else than it did.
+fn same_kinds(combination: &Combination, readings: &CombinedReadings) -> Result<(), Failure> {
+    for ((of, kind), name) in combination.instruments.iter().zip(readings.kinds()).zip(&readings.names) {
+        if let Some(kind) = kind.filter(|kind| *kind != of.kind) {
+            let (is, was) = (kind.name(), of.kind.name());
+            return Err(Failure::usage(format!("{name} has estimates of {is}, where the combination has {was}")));
+        }
+    }
+    Ok(())
+}
+
 /// The combination of a file, of as many instruments as are given.
 fn combination_of(by: &Path, arguments: &Arguments) -> Result<Combination, Failure> {
     let text = std::fs::read_to_string(by).map_err(|error| Failure::in_file(by, error))?;
     let combination: Combination = serde_json::from_str(&text)
         .map_err(|error| Failure::in_file(by, format!("is no combination of `anemo combine`: {error}")))?;
+    if let Some(problem) = combination.problem() {
+        return Err(Failure::in_file(by, format!("is no combination of `anemo combine`: {problem}")));
+    }
     let (files, vanes) = (arguments.instruments.len(), arguments.vanes.len());
-    let wanted_vanes = combination.instruments.iter().filter(|of| of.is_direction).count();
+    let wanted_vanes = combination.instruments.iter().filter(|of| of.kind == InstrumentKind::Direction).count();
     let wanted_files = combination.instruments.len() - wanted_vanes;
     if (wanted_files, wanted_vanes) != (files, vanes) {
         let of = |files, vanes| format!("{} and {}", count(files, "file"), count(vanes, "vane"));
@@ -171,29 +191,36 @@ fn estimate(arguments: &Arguments, combination: &Combination, readings: &Combine
             state: "",
             true_wind_m_s: true_wind.then(|| readings.true_wind_m_s[row].unwrap_or([f64::NAN; 3])),
             gas_temperature_c: None,
-            estimate: &numbers(found.as_ref(), combination),
+            estimate: &numbers(found.as_ref()),
         };
         outputs.push(&row).map_err(Failure::work)?;
         estimates.push(found);
     }
     outputs.finish(&Metadata::new())?;
     let mut report = CombinedReport::new(combination, readings, &estimates, counting(arguments));
+    if report.rows == 0 {
+        let last_s = readings.time_s.last().copied().unwrap_or(0.0);
+        let sentence = format!("no row counts: the last is at {last_s} s, and labels less than --settle count nothing");
+        crate::output::warn(&sentence);
+    }
     let written = [arguments.output.as_deref(), arguments.picture.path()];
     report.written = written.into_iter().flatten().map(Path::to_owned).collect();
     crate::output::print_report(&report, arguments.json)
 }
 
 /// A row's numbers, in the order of [`wind::COMBINED`].
-fn numbers(found: Option<&CombinedWind>, combination: &Combination) -> [f32; wind::COMBINED.len()] {
+fn numbers(found: Option<&CombinedWind>) -> [f32; wind::COMBINED.len()] {
     let Some(found) = found else {
         const NONE: f64 = f64::NAN;
         return [NONE, NONE, NONE, NONE, NONE, NONE, NONE, f64::from(QualityFlags::FAILED.0)].map(|of| of as f32);
     };
     let speed_m_s = length(found.wind_m_s);
-    let [least, most] = combination.speeds_m_s;
     let flags = QualityFlags::default()
         .with(QualityFlags::AMBIGUOUS, found.is_ambiguous)
-        .with(QualityFlags::EXTRAPOLATED, !(least..=most).contains(&speed_m_s));
+        .with(QualityFlags::INCONSISTENT, found.is_inconsistent)
+        .with(QualityFlags::NO_DIRECTION, found.has_no_direction)
+        .with(QualityFlags::DEGRADED, found.is_degraded)
+        .with(QualityFlags::EXTRAPOLATED, found.is_extrapolated);
     let ([x, y, z], direction_u_deg) = (found.wind_m_s, found.direction_u_rad.to_degrees());
     let flags = f64::from(flags.0);
     [x, y, z, speed_m_s, found.speed_u_m_s, direction_u_deg, found.chi_square, flags].map(|of| of as f32)

@@ -20,7 +20,7 @@
 //! | 8 | ambiguous: another wind fits as well | 1024 | saturated: a loop is at one level |
 //! | 16 | undetermined: the head does not resolve all directions | 2048 | starting |
 //! | 32 | no-direction | 4096 | cold: a surface is no warmer than the gas |
-//! | 64 | extrapolated: beyond the calibration | | |
+//! | 64 | extrapolated: beyond the calibration | 8192 | inconsistent: measurements contradict each other |
 //!
 //! Numbers are missing in rows without an estimate, and those of the wind where it failed.
 

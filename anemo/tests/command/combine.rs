@@ -117,13 +117,15 @@ fn what_cannot_be_combined_is_refused() {
         (
             "combine junctions-known.csv",
             2,
-            "anemo: junctions-known.csv: has no wind estimates: `anemo wind … -o` writes them",
+            "anemo: junctions-known.csv: has no wind estimates, which `anemo wind … -o` writes; a table of one's own has time_s, event, \
+             and wind_x_m_s, wind_y_m_s, wind_z_m_s or wind_speed_m_s, and here wind_x_m_s, wind_y_m_s, wind_z_m_s is missing",
         ),
         ("combine film-known.csv", 1, "anemo: all instruments together have 1 component, and these winds have 2"),
         (
             "combine needles-few.csv",
             1,
-            "anemo: 2 known winds of 2 have estimates of all instruments (needles-few: 2); 100 do well, from everywhere or all around a plane",
+            "anemo: 2 of 2 known winds have estimates of all instruments (needles-few: 2), in 2 directions; 5 directions are the least, \
+             and 100 winds from everywhere or all around a plane do well",
         ),
         (
             "combine needles-known.csv --vane junctions-known.csv=a,b,d",
@@ -143,4 +145,71 @@ fn what_cannot_be_combined_is_refused() {
     }
     let two = refused(folder, "combine needles-known.csv --vane junctions-known.csv=a,b", 2);
     assert!(two.contains("names 2 of its junctions, and it takes three to know a direction"), "{two}");
+}
+
+#[test]
+fn instruments_that_do_not_say_the_same_are_flagged_or_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write(folder, "known", 101, 0.0);
+    write(folder, "new", 41, 0.3);
+    write(folder, "other", 41, 0.7);
+    printed(
+        folder,
+        "combine needles-known.csv film-known.csv --vane junctions-known.csv=a,b,c --settle 2 -o all.json --json",
+    );
+    let by = |needles: &str, junctions: &str| {
+        format!("combine {needles} film-new.csv --vane {junctions}=a,b,c --settle 2 --by all.json --json")
+    };
+    let of = |report: &Value, name: &str| report[name].as_u64().unwrap();
+    let usual = printed(folder, &by("needles-new.csv", "junctions-new.csv"));
+    assert_eq!(of(&usual, "inconsistent"), 0);
+    assert!(usual["comparison"]["direction_within_2u"].as_f64().unwrap() > 0.9, "{usual}");
+    let against = printed(folder, &by("needles-new.csv", "junctions-other.csv"));
+    assert!(of(&against, "inconsistent") > of(&against, "rows") / 2, "{against}");
+
+    // Another clock, by the labels; another kind of instrument; a file that was edited.
+    let text = std::fs::read_to_string(folder.join("needles-new.csv")).unwrap();
+    let shifted: String = text
+        .lines()
+        .map(|line| match line.split_once(',').and_then(|(time, rest)| Some((time.parse::<f64>().ok()?, rest))) {
+            Some((time_s, rest)) => format!("{},{rest}\n", time_s + 3.0),
+            None => format!("{line}\n"),
+        })
+        .collect();
+    std::fs::write(folder.join("shifted.csv"), shifted).unwrap();
+    let line = "combine film-new.csv shifted.csv --by all.json --vane junctions-new.csv=a,b,c";
+    let sentence = refused(folder, line, 2);
+    assert!(
+        sentence.contains("has label `wind ") && sentence.ends_with("are they of one run, with one clock?"),
+        "{sentence}"
+    );
+    let kinds = refused(folder, "combine film-new.csv film-new.csv --by all.json --vane junctions-new.csv=a,b,c", 2);
+    assert_eq!(kinds, "anemo: film-new has estimates of speed only, where the combination has vector");
+    let mut edited: Value = serde_json::from_str(&std::fs::read_to_string(folder.join("all.json")).unwrap()).unwrap();
+    edited["instruments"][0]["coefficients"].as_array_mut().unwrap().pop();
+    std::fs::write(folder.join("edited.json"), edited.to_string()).unwrap();
+    let line = "combine needles-new.csv film-new.csv --vane junctions-new.csv=a,b,c --by edited.json";
+    let sentence = refused(folder, line, 2);
+    assert!(sentence.ends_with("coefficients for each of one to three axes of `needles-known`"), "{sentence}");
+}
+
+/// A table of one's own has speeds or vectors, and need not state uncertainties.
+#[test]
+fn a_table_of_ones_own_is_an_instrument() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let table = |seed: f64| {
+        let row = |row: usize| {
+            let ([x, y], n) = (wind(row / ROWS, seed), row / ROWS);
+            format!("{row},wind {n},{x},{y},0,{},{},0\n", 0.98 * x, 1.01 * y)
+        };
+        let head = "time_s,event,true_wind_x_m_s,true_wind_y_m_s,true_wind_z_m_s,wind_x_m_s,wind_y_m_s,wind_z_m_s\n";
+        head.to_owned() + &(0..61 * ROWS).map(row).collect::<String>()
+    };
+    std::fs::write(folder.join("known.csv"), table(0.0)).unwrap();
+    std::fs::write(folder.join("new.csv"), table(0.3)).unwrap();
+    printed(folder, "combine known.csv -o own.json --json");
+    let report = printed(folder, "combine new.csv --by own.json --json");
+    assert!(report["comparison"]["speed_rms_error"].as_f64().unwrap() < 1e-3, "{report}");
 }

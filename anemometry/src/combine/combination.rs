@@ -3,22 +3,19 @@
 use nalgebra::{DMatrix, Matrix3, SymmetricEigen, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::instrument::InstrumentReading;
+use super::direction_fit::{DirectionFit, KnownDirections};
+use super::instrument::{InstrumentKind, InstrumentReading, variance};
 use super::readings::KnownWind;
 use super::space::WindSpace;
-use crate::vector::{angle_deg, dot, length, unit};
+use crate::vector::{dot, length, unit};
 use recording::text;
 
-/// Winds a function, at least.
-const WINDS_A_FUNCTION: f64 = 1.5;
 /// A component whose size is a smaller share of the greatest is none.
 const NO_COMPONENT: f64 = 1e-3;
 /// What is never known better of a component, of the speed.
 const LEAST_SHARE: f64 = 1e-3;
 /// Residuals count for a direction by e^(κ (cos − 1)): those within 25°.
 const CONCENTRATION: f64 = 10.0;
-/// Directions among which a gap between the known winds is sought.
-const SOUGHT: usize = 200;
 /// The widest way from there to the nearest known wind, °.
 const WIDEST_DEG: f64 = 60.0;
 
@@ -41,6 +38,8 @@ pub struct Combination {
     pub speeds_m_s: [f64; 2],
     /// One an instrument, in the order of the files.
     pub instruments: Vec<InstrumentAnswer>,
+    /// 99th percentile of χ² in winds that were left out, over that of chance; 1 at least.
+    pub chi_square_ratio: f64,
     /// What these leave of known winds that were left out.
     pub left: Vec<LeftOver>,
 }
@@ -53,8 +52,8 @@ pub struct InstrumentAnswer {
     pub name: String,
     /// What it is, as its file says; empty if it does not.
     pub what: String,
-    /// Whether it knows no speed.
-    pub is_direction: bool,
+    /// What it knows.
+    pub kind: InstrumentKind,
     /// Directions in its frame in which it has estimates, one to three.
     pub axes: Vec<[f64; 3]>,
     /// By axis: c.
@@ -69,6 +68,8 @@ pub struct LeftOver {
     pub towards: [f64; 3],
     /// By component of all instruments, of the speed.
     pub shares: Vec<f64>,
+    /// Variance of single rows about their mean, beyond what the instrument states, likewise.
+    pub scatter: Vec<f64>,
 }
 
 impl Combination {
@@ -84,20 +85,22 @@ impl Combination {
             return Err(CombineError(sentence.to_owned()));
         }
         let whole: Vec<&KnownWind> = known.iter().filter(|of| of.readings.iter().all(Option::is_some)).collect();
-        let towards: Vec<[f64; 3]> = whole.iter().map(|of| unit(of.wind_m_s)).collect();
-        let space = WindSpace::of(&towards);
-        let enough = |degree: usize| WINDS_A_FUNCTION * space.count(degree) as f64 <= whole.len() as f64;
-        if !enough(1) {
+        let directions = KnownDirections::new(whole.iter().map(|of| unit(of.wind_m_s)).collect());
+        let space = directions.space;
+        if !directions.are_enough(1) {
             let seen_by = |i: usize| known.iter().filter(|of| of.readings[i].is_some()).count();
             let least = (0..names.len()).map(|i| (seen_by(i), &names[i])).min();
             let least = least.map_or_else(String::new, |(seen, name)| format!(" ({name}: {seen})"));
             return Err(CombineError(format!(
-                "{} known winds of {} have estimates of all instruments{least}; 100 do well, from everywhere or all around a plane",
+                "{} of {} have estimates of all instruments{least}, in {}; {} directions are the least, and 100 winds from everywhere or all \
+                 around a plane do well",
                 whole.len(),
-                known.len()
+                text::count(known.len(), "known wind"),
+                text::count(directions.count, "direction"),
+                directions.least()
             )));
         }
-        spread(space, &towards)?;
+        spread(&directions)?;
         let axes: Vec<Vec<[f64; 3]>> = (0..names.len()).map(|i| axes(&whole, i)).collect();
         let components: usize = axes.iter().map(Vec::len).sum();
         if components < space.dimensions() {
@@ -109,8 +112,8 @@ impl Combination {
         }
         let shares: Vec<Vec<f64>> = whole.iter().map(|of| shares_of(of, &axes)).collect();
         let shares = DMatrix::from_fn(whole.len(), components, |row, k| shares[row][k]);
-        let fits = (1..=space.most_degree()).filter(|degree| enough(*degree));
-        let fits = fits.filter_map(|degree| DirectionFit::of(space, &towards, &shares, degree));
+        let fits = (1..=space.most_degree()).filter(|degree| directions.are_enough(*degree));
+        let fits = fits.filter_map(|degree| DirectionFit::of(&directions, &shares, degree));
         let best = fits.min_by(|a, b| a.left.norm_squared().total_cmp(&b.left.norm_squared()));
         let best =
             best.ok_or_else(|| CombineError("the winds do not determine how the instruments answer".to_owned()))?;
@@ -118,25 +121,67 @@ impl Combination {
         let answer = |((i, axes), reading): ((usize, Vec<[f64; 3]>), &Option<InstrumentReading>)| InstrumentAnswer {
             name: names[i].clone(),
             what: whats[i].clone(),
-            is_direction: reading.is_some_and(|of| of.is_direction),
+            kind: reading.map_or(InstrumentKind::Vector, |of| of.kind),
             coefficients: columns.by_ref().take(axes.len()).collect(),
             axes,
         };
         let instruments: Vec<_> = axes.into_iter().enumerate().zip(&whole[0].readings).map(answer).collect();
-        if instruments.iter().all(|of| of.is_direction) {
+        if instruments.iter().all(|of| of.kind == InstrumentKind::Direction) {
             return Err(CombineError("no instrument knows a speed".to_owned()));
         }
         let speeds = whole.iter().map(|of| length(of.wind_m_s));
-        let left = towards.iter().zip(best.left.row_iter());
-        let left = left.map(|(towards, row)| LeftOver { towards: *towards, shares: row.iter().copied().collect() });
+        let left = directions.towards.iter().zip(best.left.row_iter()).zip(&whole);
+        let left = left.map(|((towards, row), of)| LeftOver {
+            towards: *towards,
+            shares: row.iter().copied().collect(),
+            scatter: scatter_of(of, &instruments),
+        });
+        let left = left.collect();
         Ok(Self {
             made_from: String::new(),
             space,
             degree: best.degree,
             speeds_m_s: [speeds.clone().fold(f64::INFINITY, f64::min), speeds.fold(0.0, f64::max)],
             instruments,
-            left: left.collect(),
+            chi_square_ratio: 1.0,
+            left,
         })
+    }
+
+    /// What a file of it has that no combination can have: a sentence.
+    pub fn problem(&self) -> Option<String> {
+        let components = self.components();
+        let functions = match self.degree {
+            0 => 0,
+            degree if degree > self.space.most_degree() => 0,
+            degree => self.space.count(degree),
+        };
+        if functions == 0 {
+            return Some(format!("has functions of degree {}", self.degree));
+        }
+        let fits = |of: &InstrumentAnswer| {
+            (1..=3).contains(&of.axes.len())
+                && of.coefficients.len() == of.axes.len()
+                && of.coefficients.iter().all(|of| of.len() == functions)
+        };
+        if let Some(of) = self.instruments.iter().find(|of| !fits(of)) {
+            return Some(format!("has not {functions} coefficients for each of one to three axes of `{}`", of.name));
+        }
+        if self.left.is_empty()
+            || self.left.iter().any(|of| [&of.shares, &of.scatter].iter().any(|of| of.len() != components))
+        {
+            return Some(format!("has not {components} shares and scatters for each of its known winds"));
+        }
+        let is_unit = |of: &[f64; 3]| (length(*of) - 1.0).abs() < 1e-6;
+        let normal = match self.space {
+            WindSpace::Everywhere => None,
+            WindSpace::Across(normal) => Some(normal),
+        };
+        if !self.instruments.iter().flat_map(|of| &of.axes).chain(&normal).all(is_unit) {
+            return Some("has an axis or a normal whose length is not 1".to_owned());
+        }
+        let [slowest, fastest] = self.speeds_m_s;
+        (slowest > fastest).then(|| format!("has known winds of {slowest} to {fastest} m/s"))
     }
 
     /// Number of components of all instruments.
@@ -157,7 +202,8 @@ impl Combination {
         for of in &self.left {
             let weight = (CONCENTRATION * (dot(towards, of.towards) - 1.0)).exp();
             weights += weight;
-            sums.iter_mut().zip(&of.shares).for_each(|(sum, share)| *sum += weight * share * share);
+            let variances = of.shares.iter().zip(&of.scatter).map(|(share, scatter)| share * share + scatter);
+            sums.iter_mut().zip(variances).for_each(|(sum, variance)| *sum += weight * variance);
         }
         sums.into_iter().map(|sum| sum / weights + LEAST_SHARE * LEAST_SHARE).collect()
     }
@@ -165,12 +211,19 @@ impl Combination {
 
 /// Components of what instruments say in a known wind, of its speed.
 fn shares_of(of: &KnownWind, axes: &[Vec<[f64; 3]>]) -> Vec<f64> {
-    let speed_m_s = length(of.wind_m_s);
-    let share = |reading: &InstrumentReading, axis: &[f64; 3]| {
-        dot(reading.wind_m_s, *axis) / if reading.is_direction { 1.0 } else { speed_m_s }
-    };
+    let share = |reading: &InstrumentReading, axis: &[f64; 3]| dot(reading.wind_m_s, *axis) / of.scale(reading.kind);
     let each = of.readings.iter().flatten().zip(axes);
     each.flat_map(|(reading, axes)| axes.iter().map(move |axis| share(reading, axis))).collect()
+}
+
+/// Variances of the components' rows about their means, beyond what is stated, of the speed.
+fn scatter_of(of: &KnownWind, instruments: &[InstrumentAnswer]) -> Vec<f64> {
+    let each = of.readings.iter().flatten().zip(&of.scatter).zip(instruments);
+    let beyond = |reading: &InstrumentReading, scatter: &Matrix3<f64>, axis: [f64; 3]| {
+        (variance(scatter, axis) - reading.variance(axis)).max(0.0) / of.scale(reading.kind).powi(2)
+    };
+    let all = each.flat_map(|((reading, scatter), of)| of.axes.iter().map(move |axis| beyond(reading, scatter, *axis)));
+    all.collect()
 }
 
 /// The directions in which an instrument has estimates.
@@ -189,42 +242,17 @@ fn axes(winds: &[&KnownWind], instrument: usize) -> Vec<[f64; 3]> {
 }
 
 /// Refuses winds that leave a part of the directions out.
-fn spread(space: WindSpace, towards: &[[f64; 3]]) -> Result<(), CombineError> {
-    let nearest_deg = |of: [f64; 3]| towards.iter().map(|known| angle_deg(*known, of)).fold(180.0, f64::min);
-    let all = space.even_directions(SOUGHT).into_iter().map(|of| (nearest_deg(of), of));
-    let (off_deg, worst) = all.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default();
+fn spread(directions: &KnownDirections) -> Result<(), CombineError> {
+    let (off_deg, worst) = directions.widest;
     if off_deg <= WIDEST_DEG {
         return Ok(());
     }
     // Without a minus before a zero.
     let [x, y, z] = worst.map(|x| (10.0 * x).round() / 10.0 + 0.0);
-    let where_from = if space == WindSpace::Everywhere { "from everywhere" } else { "all around their plane" };
+    let where_from =
+        if directions.space == WindSpace::Everywhere { "from everywhere" } else { "all around their plane" };
     Err(CombineError(format!(
         "the known wind next to one that goes to ({x}, {y}, {z}) is {off_deg:.0}° off, and {WIDEST_DEG}° are the most: winds {where_from} \
          are needed"
     )))
-}
-
-/// Least squares by functions of one degree.
-struct DirectionFit {
-    degree: usize,
-    /// Function by component.
-    coefficients: DMatrix<f64>,
-    /// What is left of each wind where it is left out, by component.
-    left: DMatrix<f64>,
-}
-
-impl DirectionFit {
-    fn of(space: WindSpace, towards: &[[f64; 3]], shares: &DMatrix<f64>, degree: usize) -> Option<Self> {
-        let rows: Vec<Vec<f64>> = towards.iter().map(|of| space.functions(*of, degree)).collect();
-        let design = DMatrix::from_fn(rows.len(), space.count(degree), |row, k| rows[row][k]);
-        let inverse = (design.transpose() * &design).cholesky()?.inverse();
-        let coefficients = &inverse * design.transpose() * shares;
-        let mut left = shares - &design * &coefficients;
-        for row in 0..rows.len() {
-            let own = (design.row(row) * &inverse * design.row(row).transpose())[0];
-            left.row_mut(row).scale_mut(1.0 / (1.0 - own).max(f64::EPSILON));
-        }
-        Some(Self { degree, coefficients, left })
-    }
 }

@@ -7,15 +7,20 @@
 //! ```
 //!
 //! Sought in even directions, each with the speed that fits best there, then by Gauss–Newton from
-//! the best one, with variances as there. Where a second direction fits about as well, the estimate
-//! is ambiguous.
+//! the best one, with variances as there.
+//!
+//! | flag | when |
+//! |---|---|
+//! | ambiguous | a direction fits about as well that is farther from the best one than its uncertainty explains |
+//! | inconsistent | χ² beyond the 99th percentile of chance, and of winds that were left out: the instruments do not say the same; uncertainties grow with χ |
+//! | no-direction | its standard uncertainty is above 20° |
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::combination::Combination;
-use super::instrument::InstrumentReading;
+use super::instrument::{InstrumentKind, InstrumentReading};
 use super::space::WindSpace;
-use crate::vector::{angle_deg, dot, length};
+use crate::vector::{angle_deg, dot};
 
 /// Directions that are searched.
 const DIRECTIONS: usize = 1000;
@@ -25,10 +30,16 @@ const MOST_STEPS: usize = 30;
 const SETTLED: f64 = 1e-6;
 /// Relative step of the derivatives.
 const STEP: f64 = 1e-4;
-/// A direction so far from the best is another one, °.
-const ANOTHER_DEG: f64 = 45.0;
+/// A direction so far from the best is another one: in standard uncertainties, and in steps of the
+/// search.
+const ANOTHER_U: f64 = 5.0;
+const ANOTHER_STEPS: f64 = 2.5;
 /// And fits about as well if its cost is not more by so much: three standard errors.
 const AS_WELL: f64 = 9.0;
+/// Speeds beyond those of the known winds by this factor are extrapolated.
+const BEYOND: f64 = 1.05;
+/// The greatest standard uncertainty of a direction, rad: 20°, as that of heads.
+const DIRECTION_U_MAX_RAD: f64 = 0.35;
 
 /// A wind by several instruments.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,6 +56,29 @@ pub struct CombinedWind {
     pub degrees_of_freedom: usize,
     /// Another direction fits about as well.
     pub is_ambiguous: bool,
+    /// The instruments do not say the same.
+    pub is_inconsistent: bool,
+    /// The direction is not known.
+    pub has_no_direction: bool,
+    /// Slower or faster than the known winds.
+    pub is_extrapolated: bool,
+    /// An instrument has no estimate.
+    pub is_degraded: bool,
+}
+
+impl CombinedWind {
+    /// Whether its uncertainties do not say all.
+    pub const fn is_flagged(&self) -> bool {
+        self.is_ambiguous || self.is_inconsistent || self.has_no_direction || self.is_extrapolated
+    }
+}
+
+/// 99th percentile of χ², by Wilson and Hilferty (Proc. Natl. Acad. Sci. 17 (1931) 684): within 1 %
+/// from one degree of freedom on.
+pub fn chi_square_99(degrees_of_freedom: usize) -> f64 {
+    let n = degrees_of_freedom as f64;
+    let ninth = 2.0 / (9.0 * n);
+    n * (1.0 - ninth + 2.326 * ninth.sqrt()).powi(3)
 }
 
 /// Combines readings by a [`Combination`].
@@ -59,13 +93,13 @@ struct ReadComponent {
     place: usize,
     value: f64,
     variance: f64,
-    is_direction: bool,
+    kind: InstrumentKind,
 }
 
 impl ReadComponent {
     /// What it is divided by in a wind of this speed to be a share.
     fn scale(&self, speed_m_s: f64) -> f64 {
-        if self.is_direction { 1.0 } else { speed_m_s }
+        if self.kind == InstrumentKind::Direction { 1.0 } else { speed_m_s }
     }
 }
 
@@ -80,15 +114,11 @@ impl<'a> Combiner<'a> {
     /// or without a speed.
     pub fn estimate(&self, readings: &[Option<InstrumentReading>]) -> Option<CombinedWind> {
         let (read, dimensions) = (self.components(readings), self.combination.space.dimensions());
-        if read.len() < dimensions || read.iter().all(|of| of.is_direction) {
+        if read.len() < dimensions || read.iter().all(|of| of.kind == InstrumentKind::Direction) {
             return None;
         }
         let starts: Vec<_> = self.grid.iter().map(|of| (fitted(&read, of), of)).collect();
         let ((speed_m_s, least), start) = starts.iter().min_by(|a, b| a.0.1.total_cmp(&b.0.1))?;
-        let another = |((_, cost), of): &((f64, f64), &(_, _, _))| {
-            *cost < least + AS_WELL && angle_deg(of.0, start.0) > ANOTHER_DEG
-        };
-        let is_ambiguous = starts.iter().any(another);
         let variance = |of: &ReadComponent| start.2[of.place] * of.scale(*speed_m_s).powi(2) + of.variance;
         let variances: Vec<f64> = read.iter().map(variance).collect();
         let mut wind = Vector3::from(start.0) * *speed_m_s;
@@ -121,13 +151,32 @@ impl<'a> Combiner<'a> {
                 (across * covariance * across).symmetric_eigenvalues().max().max(0.0)
             }
         };
+        let mut speed_u_m_s = along(towards).sqrt();
+        let mut direction_u_rad = sideways.sqrt() / wind.norm();
+        let far_deg =
+            (ANOTHER_STEPS * self.combination.space.step_deg(DIRECTIONS)).max(ANOTHER_U * direction_u_rad.to_degrees());
+        let another =
+            |((_, cost), of): &((f64, f64), &(_, _, _))| *cost < least + AS_WELL && angle_deg(of.0, start.0) > far_deg;
+        let is_ambiguous = starts.iter().any(another);
+        let degrees_of_freedom = read.len() - dimensions;
+        let too_much = chi_square / (self.combination.chi_square_ratio * chi_square_99(degrees_of_freedom.max(1)));
+        let is_inconsistent = degrees_of_freedom > 0 && too_much > 1.0;
+        if is_inconsistent {
+            speed_u_m_s *= too_much.sqrt();
+            direction_u_rad *= too_much.sqrt();
+        }
+        let [slowest, fastest] = self.combination.speeds_m_s;
         Some(CombinedWind {
             wind_m_s: wind.into(),
-            speed_u_m_s: along(towards).sqrt(),
-            direction_u_rad: sideways.sqrt() / wind.norm(),
+            speed_u_m_s,
+            direction_u_rad,
             chi_square,
-            degrees_of_freedom: read.len() - dimensions,
+            degrees_of_freedom,
             is_ambiguous,
+            is_inconsistent,
+            has_no_direction: direction_u_rad > DIRECTION_U_MAX_RAD,
+            is_degraded: readings.iter().any(Option::is_none),
+            is_extrapolated: !(slowest / BEYOND..=fastest * BEYOND).contains(&wind.norm()),
         })
     }
 
@@ -137,11 +186,8 @@ impl<'a> Combiner<'a> {
         for (of, reading) in self.combination.instruments.iter().zip(readings) {
             for axis in &of.axes {
                 if let Some(reading) = reading {
-                    let size = length(reading.wind_m_s).max(f64::MIN_POSITIVE);
-                    let value = dot(reading.wind_m_s, *axis);
-                    let (share, across) = (value / size, size * reading.direction_u_rad);
-                    let variance = (share * reading.speed_u_m_s).powi(2) + (1.0 - share * share) * across * across;
-                    read.push(ReadComponent { place, value, variance, is_direction: of.is_direction });
+                    let (value, variance) = (dot(reading.wind_m_s, *axis), reading.variance(*axis));
+                    read.push(ReadComponent { place, value, variance, kind: of.kind });
                 }
                 place += 1;
             }
@@ -187,7 +233,7 @@ impl<'a> Combiner<'a> {
 /// The speed that fits best in a direction, and its cost.
 fn fitted(read: &[ReadComponent], (_, answers, variances): &([f64; 3], Vec<f64>, Vec<f64>)) -> (f64, f64) {
     let (mut both, mut own) = (0.0, 0.0);
-    for of in read.iter().filter(|of| !of.is_direction) {
+    for of in read.iter().filter(|of| of.kind != InstrumentKind::Direction) {
         let (answer, variance) = (answers[of.place], variances[of.place]);
         both += answer * of.value / variance;
         own += answer * answer / variance;
@@ -205,18 +251,13 @@ fn fitted(read: &[ReadComponent], (_, answers, variances): &([f64; 3], Vec<f64>,
 mod tests {
     use super::super::readings::KnownWind;
     use super::*;
-    use crate::vector::{across, unit};
+    use crate::vector::{across, length, unit};
 
     /// What stands in the wind: readings of all instruments.
     type Rig = fn([f64; 3]) -> Vec<InstrumentReading>;
 
     fn reading(wind_m_s: [f64; 3]) -> InstrumentReading {
-        InstrumentReading {
-            wind_m_s,
-            speed_u_m_s: 0.005 * length(wind_m_s),
-            direction_u_rad: 0.005,
-            is_direction: false,
-        }
+        InstrumentReading::new(wind_m_s, 0.005 * length(wind_m_s), 0.005, InstrumentKind::Vector)
     }
 
     /// Three cards round x, each of which sees its plane, and the less the more it is in the lee.
@@ -237,7 +278,7 @@ mod tests {
             let angle = (60.0 * f64::from(n)).to_radians();
             let facing = -dot(wind_m_s, [0.0, angle.cos(), angle.sin()]);
             let speed_m_s = 0.8 * length(wind_m_s) + 0.5 * facing;
-            InstrumentReading { direction_u_rad: 0.0, ..reading([speed_m_s, 0.0, 0.0]) }
+            InstrumentReading::new([speed_m_s, 0.0, 0.0], 0.005 * speed_m_s, 0.0, InstrumentKind::Speed)
         };
         (0..6).map(board).collect()
     }
@@ -246,12 +287,7 @@ mod tests {
     fn needles(wind_m_s: [f64; 3]) -> Vec<InstrumentReading> {
         let [x, y, _] = unit(wind_m_s);
         let turned = (y.atan2(x) + 0.17 * (4.0 * y.atan2(x)).sin() + 1.0).sin_cos();
-        let vane = InstrumentReading {
-            wind_m_s: [turned.1, turned.0, 0.0],
-            speed_u_m_s: 0.0,
-            direction_u_rad: 0.17,
-            is_direction: true,
-        };
+        let vane = InstrumentReading::new([turned.1, turned.0, 0.0], 0.0, 0.17, InstrumentKind::Direction);
         vec![reading(wind_m_s.map(f64::abs)), vane]
     }
 
@@ -259,7 +295,7 @@ mod tests {
         let wind = |(n, towards): (usize, [f64; 3])| {
             let speed_m_s = 0.5 * 20_f64.powf((0.618 * n as f64).fract());
             let wind_m_s = towards.map(|x| speed_m_s * x);
-            KnownWind { wind_m_s, readings: rig(wind_m_s).into_iter().map(Some).collect() }
+            KnownWind::steady(wind_m_s, rig(wind_m_s).into_iter().map(Some).collect())
         };
         space.even_directions(count).into_iter().enumerate().map(wind).collect()
     }
@@ -331,9 +367,48 @@ mod tests {
         let combination = fitted_to(&known(cards, WindSpace::Everywhere, 120)).unwrap();
         let combiner = Combiner::new(&combination);
         let mut readings: Vec<_> = cards(unit([1.0, 2.0, -0.5])).into_iter().map(Some).collect();
-        assert!(combiner.estimate(&readings).unwrap().chi_square < 11.3);
+        let usual = combiner.estimate(&readings).unwrap();
+        assert!(usual.chi_square < 11.3 && !usual.is_flagged(), "{usual:?}");
         readings[2] = readings[2].map(|of| InstrumentReading { wind_m_s: of.wind_m_s.map(|x| -x), ..of });
-        assert!(combiner.estimate(&readings).unwrap().chi_square > 100.0);
+        let against = combiner.estimate(&readings).unwrap();
+        assert!(against.chi_square > 100.0 && against.is_inconsistent, "{against:?}");
+        // By how much it cannot be right is in its uncertainty.
+        assert!(against.speed_u_m_s > 3.0 * usual.speed_u_m_s, "{against:?}");
+    }
+
+    #[test]
+    fn percentiles_of_chi_square_are_those_of_tables() {
+        for (degrees, table) in [(1, 6.635), (2, 9.210), (3, 11.345), (10, 23.209)] {
+            assert!((chi_square_99(degrees) / table - 1.0).abs() < 0.01, "{degrees}: {}", chi_square_99(degrees));
+        }
+    }
+
+    /// A mast that slows the wind in 30° of the circle, and a tunnel that turns to ten directions
+    /// and holds seven speeds in each.
+    #[test]
+    fn many_speeds_in_few_directions_do_not_pretend_to_know_what_is_between() {
+        let boom = |wind_m_s: [f64; 3]| {
+            let off_deg = angle_deg(wind_m_s, [0.707, 0.707, 0.0]);
+            vec![reading(wind_m_s.map(|x| x * (1.0 - 0.4 * (-(off_deg / 15.0).powi(2)).exp())))]
+        };
+        let space = WindSpace::Across([0.0, 0.0, 1.0]);
+        let speeds = [1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0];
+        let winds = space.even_directions(10).into_iter().flat_map(|towards| speeds.map(|v| towards.map(|x| v * x)));
+        let known: Vec<_> =
+            winds.map(|wind_m_s| KnownWind::steady(wind_m_s, boom(wind_m_s).into_iter().map(Some).collect())).collect();
+        let combination = fitted_to(&known).unwrap();
+        // Ten directions hold no more than the first harmonics.
+        assert!(combination.degree <= 2, "{}", combination.degree);
+        let combiner = Combiner::new(&combination);
+        let all = space.even_directions(200).into_iter().map(|of| of.map(|x| 3.0 * x));
+        let speeds = all.map(|wind_m_s| combiner.estimate(&boom(wind_m_s).into_iter().map(Some).collect::<Vec<_>>()));
+        let offs: Vec<f64> =
+            speeds.map(|of| of.map(|of| (length(of.wind_m_s) - 3.0) / of.speed_u_m_s).unwrap()).collect();
+        let rms = (offs.iter().map(|of| of * of).sum::<f64>() / offs.len() as f64).sqrt();
+        assert!(rms < 3.0, "errors are {rms} times what is stated");
+        let grid = KnownWind::steady([1.0, 0.0, 0.0], boom([1.0, 0.0, 0.0]).into_iter().map(Some).collect());
+        let few = fitted_to(&vec![grid; 30]).unwrap_err();
+        assert!(few.contains("in 1 direction;"), "{few}");
     }
 
     #[test]

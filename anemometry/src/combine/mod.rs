@@ -11,7 +11,7 @@
 //! | w_i | component i of what the instruments estimate, each in its own frame and for a wind in its plane; the speed by a single element; of a vane, which knows no speed, w_i in place of w_i/\|v\| |
 //! | c | how an instrument answers to winds from everywhere, its shadows and those of its neighbours included |
 //! | Y | functions of the direction ([`space`]), to the degree that is best in winds that were left out |
-//! | s | what these leave of winds that were left out, by direction: an instrument in the lee of its own body, or of a mast, loses its weight there |
+//! | s | what these leave of winds whose directions were left out, and the scatter of rows beyond σ, by direction: an instrument in the lee of its own body, or of a mast, loses its weight there |
 //! | σ | standard uncertainty as the instrument states it |
 //!
 //! The estimate is the v for which the components are likeliest; speeds count by shares, since what
@@ -23,6 +23,7 @@
 //! | [`readings`] | files of `anemo wind`, row by row and as means of steady winds |
 //! | [`vane`] | the direction by junctions round a warm core |
 //! | [`space`] | directions, and functions of them |
+//! | `direction_fit` | least squares by these, and what they leave of directions that were left out |
 //! | [`combination`] | the fit, and the file of it |
 //! | [`estimate`] | the wind |
 //! | [`report`] | errors, as text and as JSON |
@@ -30,6 +31,7 @@
 //! *Limits.* Answers are taken to grow with the speed; what they do besides is part of s.
 
 pub mod combination;
+mod direction_fit;
 pub mod estimate;
 pub mod instrument;
 pub mod readings;

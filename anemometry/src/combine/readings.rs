@@ -2,10 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use recording::wind::{DIRECTION_UNCERTAINTY, SPEED_UNCERTAINTY, WIND_ESTIMATE, WIND_SPEED};
+use dr_core::wind::QualityFlags;
+use nalgebra::{Matrix3, Vector3};
+use recording::wind::{DIRECTION_UNCERTAINTY, QUALITY_FLAGS, SPEED_UNCERTAINTY, WIND_ESTIMATE, WIND_SPEED};
 use recording::{EVENT, RAW_CONDUCTANCE, Recording, RecordingError, TIME, TRUE_WIND};
 
-use super::instrument::InstrumentReading;
+use super::instrument::{InstrumentKind, InstrumentReading};
 use super::vane::Vane;
 use crate::vector::length;
 use crate::wind::comparison::SLOWEST_M_S;
@@ -13,6 +15,18 @@ use crate::wind::given_winds::GivenWinds;
 
 /// Key of a file's metadata: what it combines.
 pub const COMBINES: &str = "combines";
+
+/// Estimates with one of these flags say nothing, though they may have numbers.
+const NO_ESTIMATE: [QualityFlags; 4] =
+    [QualityFlags::FAILED, QualityFlags::NOT_RUNNING, QualityFlags::SATURATED, QualityFlags::STARTING];
+/// Nor do vectors without a direction.
+const NO_VECTOR: [QualityFlags; 1] = [QualityFlags::NO_DIRECTION];
+/// Nor do those with one of these, if several instruments made them: a head by itself is ambiguous
+/// wherever its mirror image is, and is learnt so.
+const NO_COMBINED_ESTIMATE: [QualityFlags; 2] = [QualityFlags::AMBIGUOUS, QualityFlags::INCONSISTENT];
+/// Share of the times at which a file may have another label than the first: ends of labels, by
+/// other steps.
+const OTHER_LABELS: f64 = 0.1;
 
 /// Instruments that were read at the same times.
 pub struct CombinedReadings {
@@ -34,10 +48,24 @@ pub struct CombinedReadings {
 /// A steady wind, with the means of the instruments.
 #[derive(Debug, Clone)]
 pub struct KnownWind {
-    /// m/s
+    /// Its mean, m/s.
     pub wind_m_s: [f64; 3],
-    /// By instrument.
+    /// Means by instrument.
     pub readings: Vec<Option<InstrumentReading>>,
+    /// Covariance of single readings about their mean, (m/s)²; of a direction without unit.
+    pub scatter: Vec<Matrix3<f64>>,
+}
+
+impl KnownWind {
+    /// One whose readings do not scatter.
+    pub fn steady(wind_m_s: [f64; 3], readings: Vec<Option<InstrumentReading>>) -> Self {
+        Self { wind_m_s, scatter: vec![Matrix3::zeros(); readings.len()], readings }
+    }
+
+    /// What components of an instrument are divided by to be shares.
+    pub fn scale(&self, kind: InstrumentKind) -> f64 {
+        if kind == InstrumentKind::Direction { 1.0 } else { length(self.wind_m_s) }
+    }
 }
 
 /// Which rows count.
@@ -63,7 +91,15 @@ impl CombinedReadings {
         let whats = files.iter().map(|of| of.what.clone()).chain(vanes.iter().map(|of| of.junctions.join(", ")));
         let first = &files[0];
         let near_s = 0.5 * step_s(&first.time_s);
-        let mut columns: Vec<Vec<Option<InstrumentReading>>> = files.iter().map(|of| of.at(first, near_s)).collect();
+        if first.readings.iter().all(Option::is_none) {
+            let sentence = "has no estimate that counts: all failed, or lack a number or an uncertainty";
+            return Err(RecordingError::new(&first.path, sentence));
+        }
+        let mut columns = Vec::new();
+        for of in &files {
+            of.same_labels(first, near_s)?;
+            columns.push(of.at(first, near_s));
+        }
         for vane in vanes {
             columns.push(vane.at(&first.time_s, near_s)?);
         }
@@ -111,25 +147,36 @@ impl CombinedReadings {
     /// The steady winds by label.
     pub fn known(&self, which: RowsThatCount) -> Vec<KnownWind> {
         let known = |rows: Vec<usize>| {
-            let wind_m_s = self.true_wind(*rows.first()?)?;
-            Some(KnownWind { wind_m_s, readings: (0..self.names.len()).map(|i| self.mean(&rows, i)).collect() })
+            let rows: Vec<usize> = rows.into_iter().filter(|row| self.true_wind(*row).is_some()).collect();
+            let winds = || rows.iter().filter_map(|row| self.true_wind(*row));
+            let mean = |k: usize| winds().map(|of| of[k]).sum::<f64>() / rows.len() as f64;
+            let means = (0..self.names.len()).map(|i| self.mean(&rows, i).unzip());
+            let (readings, scatter): (Vec<_>, Vec<_>) = means.unzip();
+            let scatter = scatter.into_iter().map(Option::unwrap_or_default).collect();
+            (!rows.is_empty()).then(|| KnownWind { wind_m_s: [0, 1, 2].map(mean), readings, scatter })
         };
         self.stretches(which).into_iter().filter_map(known).collect()
     }
 
-    fn mean(&self, rows: &[usize], instrument: usize) -> Option<InstrumentReading> {
+    /// What each instrument knows; that of its first reading.
+    pub fn kinds(&self) -> Vec<Option<InstrumentKind>> {
+        let kind = |i: usize| self.readings.iter().find_map(|of| of[i]).map(|of| of.kind);
+        (0..self.names.len()).map(kind).collect()
+    }
+
+    /// The mean of an instrument, and its scatter.
+    fn mean(&self, rows: &[usize], instrument: usize) -> Option<(InstrumentReading, Matrix3<f64>)> {
         let read: Vec<InstrumentReading> = rows.iter().filter_map(|row| self.readings[*row][instrument]).collect();
         if read.len() * 2 < rows.len() || read.is_empty() {
             return None;
         }
-        let mean = |of: &dyn Fn(&InstrumentReading) -> f64| read.iter().map(of).sum::<f64>() / read.len() as f64;
+        let count = read.len() as f64;
+        let mean = read.iter().map(|of| Vector3::from(of.wind_m_s)).sum::<Vector3<f64>>() / count;
+        let off = read.iter().map(|of| Vector3::from(of.wind_m_s) - mean);
+        let scatter = off.map(|off| off * off.transpose()).sum::<Matrix3<f64>>() / count;
         // Neighbouring estimates share their noise: that of the mean is taken for that of one.
-        Some(InstrumentReading {
-            wind_m_s: [0, 1, 2].map(|k| mean(&|of| of.wind_m_s[k])),
-            speed_u_m_s: mean(&|of| of.speed_u_m_s),
-            direction_u_rad: mean(&|of| of.direction_u_rad),
-            is_direction: read[0].is_direction,
-        })
+        let covariance = read.iter().map(|of| of.covariance).sum::<Matrix3<f64>>() / count;
+        Some((InstrumentReading { wind_m_s: mean.into(), covariance, kind: read[0].kind }, scatter))
     }
 }
 
@@ -137,6 +184,17 @@ impl CombinedReadings {
 fn step_s(time_s: &[f64]) -> f64 {
     let steps = time_s.windows(2).map(|pair| pair[1] - pair[0]);
     steps.reduce(f64::min).unwrap_or(0.0)
+}
+
+/// Times, each later than the one before.
+fn rising(path: &Path, time_s: &[f64]) -> Result<Vec<f64>, RecordingError> {
+    match time_s.windows(2).position(|pair| pair[1] <= pair[0]) {
+        None => Ok(time_s.to_vec()),
+        Some(row) => {
+            let sentence = format!("has {TIME} {} behind {}, in row {}", time_s[row + 1], time_s[row], row + 2);
+            Err(RecordingError::new(path, sentence))
+        }
+    }
 }
 
 /// One file.
@@ -152,29 +210,45 @@ struct InstrumentFile {
 impl InstrumentFile {
     fn read(path: &Path) -> Result<Self, RecordingError> {
         let table = Recording::read(path)?;
-        if !table.has(WIND_ESTIMATE[0]) {
-            let sentence = "has no wind estimates: `anemo wind … -o` writes them";
-            return Err(RecordingError::new(path, sentence.to_owned()));
+        let has_vector = WIND_ESTIMATE.iter().all(|name| table.has(name));
+        if !has_vector && (!table.has(WIND_SPEED) || table.has(WIND_ESTIMATE[0])) {
+            let lacking: Vec<&str> = WIND_ESTIMATE.into_iter().filter(|name| !table.has(name)).collect();
+            let sentence = format!(
+                "has no wind estimates, which `anemo wind … -o` writes; a table of one's own has {TIME}, {EVENT}, and {} or {WIND_SPEED}, \
+                 and here {} is missing",
+                WIND_ESTIMATE.join(", "),
+                lacking.join(", ")
+            );
+            return Err(RecordingError::new(path, sentence));
         }
         let vectors = |names: [&str; 3]| -> Result<Vec<[f64; 3]>, RecordingError> {
             let [x, y, z] = [0, 1, 2].map(|k| table.numbers(names[k]));
             let (x, y, z) = (x?, y?, z?);
             Ok((0..table.len()).map(|row| [x[row], y[row], z[row]]).collect())
         };
-        let wind_m_s = vectors(WIND_ESTIMATE)?;
-        let (speed_u, direction_u) = (table.numbers(SPEED_UNCERTAINTY)?, table.numbers(DIRECTION_UNCERTAINTY)?);
-        let speed_m_s = table.numbers(WIND_SPEED)?;
+        // What a table does not state is 0, and shows in what the fit leaves.
+        let stated = |name: &str| match table.has(name) {
+            true => table.numbers(name).map(|of| of.to_vec()),
+            false => Ok(vec![0.0; table.len()]),
+        };
+        let (speed_u_m_s, direction_u_deg) = (stated(SPEED_UNCERTAINTY)?, stated(DIRECTION_UNCERTAINTY)?);
+        let flags: Vec<QualityFlags> = stated(QUALITY_FLAGS)?.into_iter().map(|of| QualityFlags(of as u16)).collect();
+        let is_combined = table.metadata(COMBINES).is_some();
+        let wind_m_s = if has_vector { vectors(WIND_ESTIMATE)? } else { Vec::new() };
         // A single element knows the speed only.
         let is_speed = !wind_m_s.iter().flatten().any(|x| x.abs() > 0.0);
-        let known = |x: f64| if x.is_finite() { x } else { 0.0 };
+        let speeds = if is_speed { table.numbers(WIND_SPEED)? } else { &[] };
         let reading = |row: usize| {
-            let wind_m_s = if is_speed { [speed_m_s[row], 0.0, 0.0] } else { wind_m_s[row] };
-            wind_m_s.iter().all(|x| x.is_finite()).then(|| InstrumentReading {
-                wind_m_s,
-                speed_u_m_s: known(speed_u[row]),
-                direction_u_rad: if is_speed { 0.0 } else { known(direction_u[row]).to_radians() },
-                is_direction: false,
-            })
+            let none = |of: &[QualityFlags]| of.iter().any(|flag| flags[row].has(*flag));
+            let (wind_m_s, direction_u_rad, kind) = match is_speed {
+                true => ([speeds[row], 0.0, 0.0], 0.0, InstrumentKind::Speed),
+                false => (wind_m_s[row], direction_u_deg[row].to_radians(), InstrumentKind::Vector),
+            };
+            let is_none = none(&NO_ESTIMATE)
+                || (!is_speed && none(&NO_VECTOR))
+                || (is_combined && none(&NO_COMBINED_ESTIMATE))
+                || !wind_m_s.iter().chain([&speed_u_m_s[row], &direction_u_rad]).all(|x| x.is_finite());
+            (!is_none).then(|| InstrumentReading::new(wind_m_s, speed_u_m_s[row], direction_u_rad, kind))
         };
         let events = match table.has(EVENT) {
             true => {
@@ -192,23 +266,44 @@ impl InstrumentFile {
         Ok(Self {
             path: path.to_owned(),
             what,
-            time_s: table.finite(TIME)?.to_vec(),
+            time_s: rising(path, table.finite(TIME)?)?,
             events,
             true_wind_m_s: if table.has(TRUE_WIND[0]) { Some(vectors(TRUE_WIND)?) } else { None },
             readings: (0..table.len()).map(reading).collect(),
         })
     }
 
-    /// What it says at the times of another one: the row that is nearest to each.
-    fn at(&self, other: &Self, within_s: f64) -> Vec<Option<InstrumentReading>> {
+    /// The row that is nearest to a time.
+    fn row_at(&self, time_s: f64, within_s: f64) -> Option<usize> {
         let within_s = within_s.max(0.5 * step_s(&self.time_s));
-        let at = |time_s: &f64| {
-            let after = self.time_s.partition_point(|of| of < time_s);
-            let near = [after.checked_sub(1), Some(after)].into_iter().flatten().filter(|row| *row < self.time_s.len());
-            let off_s = |row: &usize| (self.time_s[*row] - time_s).abs();
-            let row = near.min_by(|a, b| off_s(a).total_cmp(&off_s(b))).filter(|row| off_s(row) <= within_s)?;
-            self.readings[row]
-        };
-        other.time_s.iter().map(at).collect()
+        let after = self.time_s.partition_point(|of| *of < time_s);
+        let near = [after.checked_sub(1), Some(after)].into_iter().flatten().filter(|row| *row < self.time_s.len());
+        let off_s = |row: &usize| (self.time_s[*row] - time_s).abs();
+        near.min_by(|a, b| off_s(a).total_cmp(&off_s(b))).filter(|row| off_s(row) <= within_s)
+    }
+
+    /// What it says at the times of another one.
+    fn at(&self, other: &Self, within_s: f64) -> Vec<Option<InstrumentReading>> {
+        other.time_s.iter().map(|time_s| self.readings[self.row_at(*time_s, within_s)?]).collect()
+    }
+
+    /// Refuses one whose labels are others at the times of another one.
+    fn same_labels(&self, other: &Self, within_s: f64) -> Result<(), RecordingError> {
+        let pairs = other.time_s.iter().zip(&other.events);
+        let pairs =
+            pairs.filter_map(|(time_s, label)| Some((time_s, label, &self.events[self.row_at(*time_s, within_s)?])));
+        let differ: Vec<_> = pairs.clone().filter(|(_, label, own)| label != own && !own.is_empty()).collect();
+        let all = pairs.count();
+        match differ.get(differ.len() / 2) {
+            Some((time_s, label, own)) if differ.len() as f64 > OTHER_LABELS * all as f64 => {
+                let sentence = format!(
+                    "has label `{own}` at {time_s} s, where {} has `{label}`, and another at {} of {all} times: are they of one run, with one clock?",
+                    other.path.display(),
+                    differ.len()
+                );
+                Err(RecordingError::new(&self.path, sentence))
+            }
+            _ => Ok(()),
+        }
     }
 }

@@ -7,14 +7,21 @@ use recording::text::count;
 use serde::Serialize;
 
 use super::combination::{Combination, CombineError};
-use super::estimate::{CombinedWind, Combiner};
+use super::direction_fit::KnownDirections;
+use super::estimate::{CombinedWind, Combiner, chi_square_99};
+use super::instrument::InstrumentKind;
 use super::readings::{CombinedReadings, KnownWind, RowsThatCount};
 use super::space::WindSpace;
-use crate::vector::{angle_deg, length};
+use crate::vector::{angle_deg, length, unit};
 use crate::wind::comparison::ErrorSum;
 
-/// Winds of every so many are left out together.
+/// Directions of every so many are left out together.
 const FOLDS: usize = 10;
+/// Errors of winds that were left out, above which a combination is of little use.
+const POOR_DEG: f64 = 10.0;
+const POOR_SPEED: f64 = 0.15;
+/// The least ratio of the fastest to the slowest known wind.
+const SPEED_RATIO: f64 = 1.5;
 
 /// Errors of estimates in known winds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -25,6 +32,11 @@ pub struct CombinedErrors {
     pub failed: usize,
     /// Of these with another direction that fits about as well.
     pub ambiguous: usize,
+    /// Share of errors within twice their standard uncertainty, of speeds; of all estimates that
+    /// are not flagged.
+    pub speed_within_2u: Option<f64>,
+    /// The same of directions.
+    pub direction_within_2u: Option<f64>,
     /// Of direction, root mean square, °; none without an estimate, as all that follow.
     pub direction_rms_error_deg: Option<f64>,
     /// Of direction, greatest, °.
@@ -44,8 +56,8 @@ pub struct InstrumentReport {
     pub name: String,
     /// Components of the wind that it sees.
     pub components: usize,
-    /// Whether it knows no speed.
-    pub is_direction: bool,
+    /// What it knows.
+    pub kind: InstrumentKind,
     /// What its answers leave of winds that were left out, of the speed, rms.
     pub left_of_speed: f64,
 }
@@ -55,6 +67,10 @@ pub struct InstrumentReport {
 pub struct CombinationReport {
     /// Known winds.
     pub winds: usize,
+    /// Of these with estimates of all instruments.
+    pub fitted: usize,
+    /// Their directions.
+    pub directions: usize,
     /// Where they are from.
     pub space: WindSpace,
     /// Of the functions of the direction.
@@ -63,6 +79,8 @@ pub struct CombinationReport {
     pub instruments: Vec<InstrumentReport>,
     /// Errors in winds that were left out.
     pub cross_validated: CombinedErrors,
+    /// What makes it of little use.
+    pub warnings: Vec<String>,
     /// The file that was written.
     #[serde(skip)]
     pub written: Option<PathBuf>,
@@ -79,6 +97,14 @@ pub struct CombinedReport {
     pub failed: usize,
     /// Estimates with another direction that fits about as well.
     pub ambiguous: usize,
+    /// In which the instruments do not say the same.
+    pub inconsistent: usize,
+    /// Slower or faster than the known winds.
+    pub extrapolated: usize,
+    /// Whose direction is not known.
+    pub no_direction: usize,
+    /// In which an instrument has no estimate.
+    pub degraded: usize,
     /// Compared with the true wind, if it is known.
     pub comparison: Option<CombinedErrors>,
     /// Files that were written.
@@ -90,14 +116,25 @@ impl CombinedErrors {
     /// Of estimates beside true winds, m/s.
     pub fn of(pairs: &[(Option<CombinedWind>, [f64; 3])]) -> Self {
         let (mut direction_deg, mut speed) = (ErrorSum::default(), ErrorSum::default());
+        let (mut good, mut within) = (0, [0, 0]);
         for (found, true_m_s) in pairs.iter().filter_map(|(found, truth)| Some((found.as_ref()?, *truth))) {
-            direction_deg.add(angle_deg(found.wind_m_s, true_m_s));
-            speed.add(length(found.wind_m_s) / length(true_m_s) - 1.0);
+            let off_deg = angle_deg(found.wind_m_s, true_m_s);
+            let off_m_s = length(found.wind_m_s) - length(true_m_s);
+            direction_deg.add(off_deg);
+            speed.add(off_m_s / length(true_m_s));
+            if !found.is_flagged() {
+                good += 1;
+                within[0] += usize::from(off_m_s.abs() <= 2.0 * found.speed_u_m_s);
+                within[1] += usize::from(off_deg.to_radians() <= 2.0 * found.direction_u_rad);
+            }
         }
+        let within = within.map(|of| (good > 0).then(|| of as f64 / good as f64));
         Self {
             compared: pairs.len(),
             failed: pairs.iter().filter(|(found, _)| found.is_none()).count(),
             ambiguous: pairs.iter().filter(|(found, _)| found.is_some_and(|of| of.is_ambiguous)).count(),
+            speed_within_2u: within[0],
+            direction_within_2u: within[1],
             direction_rms_error_deg: direction_deg.rms(),
             direction_worst_error_deg: direction_deg.worst(),
             speed_rms_error: speed.rms(),
@@ -125,25 +162,58 @@ pub fn fit(
 ) -> Result<(Combination, CombinationReport), CombineError> {
     let (names, whats, known) = (&readings.names, &readings.whats, readings.known(which));
     let mut combination = Combination::fit(names, whats, &known)?;
+    let directions = KnownDirections::new(known.iter().map(|of| unit(of.wind_m_s)).collect());
     let mut pairs = Vec::new();
-    for fold in 0..FOLDS.min(known.len()) {
-        let (out, stay): (Vec<_>, Vec<_>) = known.iter().enumerate().partition(|(n, _)| n % FOLDS == fold);
-        let stay: Vec<KnownWind> = stay.into_iter().map(|(_, of)| of.clone()).collect();
+    for fold in 0..FOLDS.min(directions.count) {
+        let (out, stay): (Vec<_>, Vec<_>) =
+            known.iter().zip(&directions.groups).partition(|(_, group)| *group % FOLDS == fold);
+        let stay: Vec<KnownWind> = stay.into_iter().map(|(of, _)| of.clone()).collect();
         let without = Combination::fit(names, whats, &stay)?;
         let combiner = Combiner::new(&without);
-        pairs.extend(out.into_iter().map(|(_, of)| (combiner.estimate(&of.readings), of.wind_m_s)));
+        pairs.extend(out.into_iter().map(|(of, _)| (combiner.estimate(&of.readings), of.wind_m_s)));
     }
+    combination.chi_square_ratio = chi_square_ratio(pairs.iter().filter_map(|(found, _)| found.as_ref()));
     let cross_validated = CombinedErrors::of(&pairs);
     combination.made_from = format!("{}; cross-validated: {}", count(known.len(), "wind"), cross_validated.in_words());
     let report = CombinationReport {
         winds: known.len(),
+        fitted: combination.left.len(),
+        directions: directions.count,
         space: combination.space,
         degree: combination.degree,
         instruments: instruments(&combination),
         cross_validated,
+        warnings: warnings(&combination, &cross_validated),
         written: None,
     };
     Ok((combination, report))
+}
+
+/// 99th percentile of χ² over that of chance; 1 at least.
+fn chi_square_ratio<'a>(found: impl Iterator<Item = &'a CombinedWind>) -> f64 {
+    let found = found.filter(|of| of.degrees_of_freedom > 0 && !of.is_ambiguous);
+    let mut ratios: Vec<f64> = found.map(|of| of.chi_square / chi_square_99(of.degrees_of_freedom)).collect();
+    ratios.sort_by(f64::total_cmp);
+    let last = ratios.len().saturating_sub(1);
+    ratios.get((0.99 * last as f64).round() as usize).map_or(1.0, |of| of.max(1.0))
+}
+
+fn warnings(combination: &Combination, errors: &CombinedErrors) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let is_poor = errors.direction_rms_error_deg.is_none_or(|of| of > POOR_DEG)
+        || errors.speed_rms_error.is_none_or(|of| of > POOR_SPEED);
+    if is_poor {
+        let sentence =
+            "the errors in winds that were left out are large: more directions, or instruments that see more";
+        warnings.push(sentence.to_owned());
+    }
+    let [slowest, fastest] = combination.speeds_m_s;
+    if fastest < SPEED_RATIO * slowest {
+        warnings.push(format!(
+            "the known winds have {slowest:.2} to {fastest:.2} m/s: all others will be extrapolated, by answers that grow with the speed"
+        ));
+    }
+    warnings
 }
 
 fn instruments(combination: &Combination) -> Vec<InstrumentReport> {
@@ -155,7 +225,7 @@ fn instruments(combination: &Combination) -> Vec<InstrumentReport> {
         InstrumentReport {
             name: of.name.clone(),
             components: of.axes.len(),
-            is_direction: of.is_direction,
+            kind: of.kind,
             left_of_speed: (squares.sum::<f64>() / combination.left.len() as f64).sqrt(),
         }
     };
@@ -171,12 +241,19 @@ impl CombinedReport {
         which: RowsThatCount,
     ) -> Self {
         let rows = readings.stretches(which).concat();
+        let flagged = |which: &dyn Fn(&CombinedWind) -> bool| {
+            rows.iter().filter(|row| estimates[**row].as_ref().is_some_and(which)).count()
+        };
         let pairs: Vec<_> = rows.iter().filter_map(|row| Some((estimates[*row], readings.true_wind(*row)?))).collect();
         Self {
             made_from: combination.made_from.clone(),
             rows: rows.len(),
             failed: rows.iter().filter(|row| estimates[**row].is_none()).count(),
-            ambiguous: rows.iter().filter_map(|row| estimates[*row]).filter(|of| of.is_ambiguous).count(),
+            ambiguous: flagged(&|of| of.is_ambiguous),
+            inconsistent: flagged(&|of| of.is_inconsistent),
+            extrapolated: flagged(&|of| of.is_extrapolated),
+            no_direction: flagged(&|of| of.has_no_direction),
+            degraded: flagged(&|of| of.is_degraded),
             comparison: (!pairs.is_empty()).then(|| CombinedErrors::of(&pairs)),
             written: Vec::new(),
         }
@@ -199,13 +276,25 @@ impl fmt::Display for CombinedErrors {
             return Ok(());
         }
         writeln!(f, "  direction  {rms_deg:.2}° rms, {worst_deg:.2}° at worst")?;
-        writeln!(f, "  speed      {rms:.2} % rms, {mean:.2} % mean, {worst:.2} % at worst")
+        writeln!(f, "  speed      {rms:.2} % rms, {mean:.2} % mean, {worst:.2} % at worst")?;
+        match (self.direction_within_2u, self.speed_within_2u) {
+            (Some(direction), Some(speed)) => writeln!(
+                f,
+                "  within twice the standard uncertainty, of estimates without a flag: direction {:.0} %, speed {:.0} %",
+                100.0 * direction,
+                100.0 * speed
+            ),
+            _ => Ok(()),
+        }
     }
 }
 
 impl fmt::Display for CombinationReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (instruments, winds) = (count(self.instruments.len(), "instrument"), count(self.winds, "known wind"));
+        let (instruments, mut winds) = (count(self.instruments.len(), "instrument"), count(self.winds, "known wind"));
+        if self.fitted < self.winds {
+            winds = format!("{} of {winds}", self.fitted);
+        }
         let space = match self.space {
             WindSpace::Everywhere => "from everywhere".to_owned(),
             WindSpace::Across(normal) => {
@@ -216,11 +305,15 @@ impl fmt::Display for CombinationReport {
         };
         writeln!(f, "{instruments} in {winds} {space}; functions of the direction up to degree {}", self.degree)?;
         for of in &self.instruments {
-            let kind = if of.is_direction { ", direction only" } else { "" };
+            let kind = match of.kind {
+                InstrumentKind::Vector => String::new(),
+                kind => format!(", {}", kind.name()),
+            };
             let (components, left) = (count(of.components, "component"), 100.0 * of.left_of_speed);
             writeln!(f, "  {:<16} {components}{kind}, known to {left:.1} %", of.name)?;
         }
-        write!(f, "\nin winds that were left out\n{}", self.cross_validated)?;
+        write!(f, "\nin winds that were left out, direction by direction\n{}", self.cross_validated)?;
+        self.warnings.iter().try_for_each(|warning| writeln!(f, "warning: {warning}"))?;
         if let Some(path) = &self.written {
             writeln!(f, "\nwritten to {}", path.display())?;
         }
@@ -232,7 +325,17 @@ impl fmt::Display for CombinedReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "combined by {}", self.made_from)?;
         let rows = count(self.rows, "row");
-        writeln!(f, "{rows} that count, {} without a wind, {} ambiguous", self.failed, self.ambiguous)?;
+        writeln!(f, "{rows} that count, {} without a wind", self.failed)?;
+        let flagged = [
+            (self.ambiguous, "ambiguous: another direction fits about as well"),
+            (self.inconsistent, "inconsistent: the instruments do not say the same"),
+            (self.extrapolated, "extrapolated: beyond the speeds of the known winds"),
+            (self.no_direction, "no-direction: its standard uncertainty is above 20°"),
+            (self.degraded, "degraded: an instrument has no estimate"),
+        ];
+        for (rows, what) in flagged.into_iter().filter(|(rows, _)| *rows > 0) {
+            writeln!(f, "{rows:>6}  {what}")?;
+        }
         if let Some(errors) = &self.comparison {
             write!(f, "\ncompared with the true wind, {}\n{errors}", count(errors.compared, "estimate"))?;
         }

@@ -77,6 +77,14 @@ impl WindSpace {
         }
     }
 
+    /// From one of so many even directions to the next, °.
+    pub fn step_deg(self, count: usize) -> f64 {
+        match self {
+            Self::Everywhere => (4.0 * PI / count as f64).sqrt().to_degrees(),
+            Self::Across(_) => 360.0 / count as f64,
+        }
+    }
+
     /// So many directions, evenly spread.
     pub fn even_directions(self, count: usize) -> Vec<[f64; 3]> {
         let direction = |n: usize| {

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use recording::text::suggest;
 use recording::{Recording, RecordingError, TEMPERATURE, TIME, column_name};
 
-use super::instrument::InstrumentReading;
+use super::instrument::{InstrumentKind, InstrumentReading};
 
 /// A difference between the junctions that is smaller, in standard deviations of its noise, says
 /// nothing.
@@ -25,7 +25,7 @@ pub struct Vane {
 }
 
 /// Why a text names no vane.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum VaneError {
     /// It has another form.
     #[error("is no FILE=NAME,NAME,…: a recording and its junctions in their order around the core")]
@@ -33,6 +33,9 @@ pub enum VaneError {
     /// It names so many.
     #[error("names {0} of its junctions, and it takes three to know a direction")]
     TooFew(usize),
+    /// It names one twice.
+    #[error("names `{0}` twice")]
+    Twice(String),
 }
 
 impl std::str::FromStr for Vane {
@@ -43,6 +46,9 @@ impl std::str::FromStr for Vane {
         let junctions: Vec<String> = junctions.split(',').map(|name| name.trim().to_owned()).collect();
         if junctions.len() < 3 {
             return Err(VaneError::TooFew(junctions.len()));
+        }
+        if let Some(twice) = (1..junctions.len()).find(|n| junctions[..*n].contains(&junctions[*n])) {
+            return Err(VaneError::Twice(junctions[twice].clone()));
         }
         Ok(Self { recording: PathBuf::from(recording), junctions })
     }
@@ -102,10 +108,7 @@ fn noise_of(means: &[Option<[f64; 2]>]) -> f64 {
 /// In the frame of the vane: x from the core to its first junction, y a quarter of a turn on.
 fn direction([x, y]: [f64; 2], noise_k: f64) -> Option<InstrumentReading> {
     let size_k = x.hypot(y);
-    (size_k > LEAST_NOISES * noise_k).then(|| InstrumentReading {
-        wind_m_s: [x / size_k, y / size_k, 0.0],
-        speed_u_m_s: 0.0,
-        direction_u_rad: noise_k / size_k,
-        is_direction: true,
-    })
+    let towards = [x / size_k, y / size_k, 0.0];
+    (size_k > LEAST_NOISES * noise_k)
+        .then(|| InstrumentReading::new(towards, 0.0, noise_k / size_k, InstrumentKind::Direction))
 }

@@ -35,8 +35,11 @@ impl QualityFlags {
     /// The overheat of a surface is too small; it was left out.
     pub const COLD: Self = Self(1 << 12);
 
+    /// The measurements contradict each other, by more than the calibration explains.
+    pub const INCONSISTENT: Self = Self(1 << 13);
+
     /// All flags with their names, in the order of their bits.
-    pub const NAMES: [(Self, &'static str); 13] = [
+    pub const NAMES: [(Self, &'static str); 14] = [
         (Self::FAILED, "failed"),
         (Self::REFUSED, "refused"),
         (Self::DEGRADED, "degraded"),
@@ -50,6 +53,7 @@ impl QualityFlags {
         (Self::SATURATED, "saturated"),
         (Self::STARTING, "starting"),
         (Self::COLD, "cold"),
+        (Self::INCONSISTENT, "inconsistent"),
     ];
 
     /// Whether all flags of `other` are set.
