@@ -163,7 +163,8 @@ fn instruments_that_do_not_say_the_same_are_flagged_or_refused() {
     };
     let of = |report: &Value, name: &str| report[name].as_u64().unwrap();
     let usual = printed(folder, &by("needles-new.csv", "junctions-new.csv"));
-    assert_eq!(of(&usual, "inconsistent"), 0);
+    // One in a hundred is beyond the 99th percentile by chance.
+    assert!(of(&usual, "inconsistent") <= 8, "{usual}");
     assert!(usual["comparison"]["direction_within_2u"].as_f64().unwrap() > 0.9, "{usual}");
     let against = printed(folder, &by("needles-new.csv", "junctions-other.csv"));
     assert!(of(&against, "inconsistent") > of(&against, "rows") / 2, "{against}");

@@ -305,26 +305,30 @@ mod tests {
         Combination::fit(&names, &names, known).map_err(|error| error.to_string())
     }
 
-    /// Finds 77 winds that it has not seen, to `within_deg` and a share of the speed.
-    fn finds(rig: Rig, space: WindSpace, components: usize, within_deg: f64, within: f64) {
+    /// Finds 77 winds that it has not seen, to `within_deg` and a share of the speed; returns how
+    /// many were ambiguous: next to a fold of the needles the vane cannot say on which side.
+    fn finds(rig: Rig, space: WindSpace, components: usize, within_deg: f64, within: f64) -> usize {
         let combination = fitted_to(&known(rig, space, 120)).unwrap();
         assert_eq!((combination.space.dimensions(), combination.components()), (space.dimensions(), components));
         let combiner = Combiner::new(&combination);
+        let mut ambiguous = 0;
         for towards in space.even_directions(77) {
             let wind_m_s = towards.map(|x| 3.0 * x);
             let readings: Vec<_> = rig(wind_m_s).into_iter().map(Some).collect();
             let found = combiner.estimate(&readings).unwrap();
             assert!(angle_deg(found.wind_m_s, wind_m_s) < within_deg, "{towards:?}: {found:?}");
-            assert!((length(found.wind_m_s) / 3.0 - 1.0).abs() < within && !found.is_ambiguous, "{found:?}");
+            assert!((length(found.wind_m_s) / 3.0 - 1.0).abs() < within, "{found:?}");
             assert_eq!(found.degrees_of_freedom, components - space.dimensions());
+            ambiguous += usize::from(found.is_ambiguous);
         }
+        ambiguous
     }
 
     #[test]
     fn cards_boards_and_a_vane_beside_needles_find_the_wind() {
-        finds(cards, WindSpace::Everywhere, 6, 0.5, 0.01);
-        finds(boards, WindSpace::Across([1.0, 0.0, 0.0]), 6, 0.5, 0.01);
-        finds(needles, WindSpace::Across([0.0, 0.0, 1.0]), 4, 2.5, 0.05);
+        assert_eq!(finds(cards, WindSpace::Everywhere, 6, 0.5, 0.01), 0);
+        assert_eq!(finds(boards, WindSpace::Across([1.0, 0.0, 0.0]), 6, 0.5, 0.01), 0);
+        assert!(finds(needles, WindSpace::Across([0.0, 0.0, 1.0]), 4, 2.5, 0.05) <= 8);
     }
 
     #[test]
@@ -415,7 +419,7 @@ mod tests {
     fn winds_of_one_side_and_too_few_are_refused() {
         let mut all = known(cards, WindSpace::Everywhere, 120);
         let few = fitted_to(&all[..4]).unwrap_err();
-        assert!(few.starts_with("4 known winds of 4 have estimates of all instruments"), "{few}");
+        assert!(few.starts_with("4 of 4 known winds have estimates of all instruments"), "{few}");
         all.retain(|of| of.wind_m_s[2] > 0.0);
         assert!(fitted_to(&all).unwrap_err().contains("winds from everywhere are needed"));
         let mut flat = known(needles, WindSpace::Across([0.0, 0.0, 1.0]), 60);
