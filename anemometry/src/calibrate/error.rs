@@ -27,8 +27,9 @@ pub enum CalibrateError {
     /// The best fit is a bad one.
     #[error(
         "what fits best leaves {:.0} % rms of the convective power, most of it `{}`, {}: surfaces in another order than the head's, winds in \
-         another frame, or a surface of the head that is not as drawn",
-        100.0 * residual_rms, worst.label, worst.surface
+         another frame, or a surface of the head that is not as drawn; surfaces that are no body together are calibrated one by one, \
+         `--elements {} --form single`, and combined by `anemo combine`",
+        100.0 * residual_rms, worst.label, worst.surface, worst.surface
     )]
     Unexplained {
         /// Residuals over the convective power, rms.
