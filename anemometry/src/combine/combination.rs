@@ -1,6 +1,6 @@
 //! How several instruments answer to winds from everywhere, fitted to known winds.
 
-use nalgebra::{DMatrix, Matrix3, SymmetricEigen, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::direction_fit::{DirectionFit, KnownDirections};
@@ -196,16 +196,39 @@ impl Combination {
         self.instruments.iter().flat_map(|of| &of.coefficients).map(sum).collect()
     }
 
-    /// s²: what answers leave of winds from about there, of the speed.
-    pub fn variances(&self, towards: [f64; 3]) -> Vec<f64> {
-        let (mut sums, mut weights) = (vec![0.0; self.components()], 0.0);
+    /// What answers leave of winds from about there, of the speed: by component its variance, and
+    /// that of rows beyond what is stated.
+    pub fn variances(&self, towards: [f64; 3]) -> Vec<[f64; 2]> {
+        let (mut sums, mut weights) = (vec![[0.0; 2]; self.components()], 0.0);
         for of in &self.left {
             let weight = (CONCENTRATION * (dot(towards, of.towards) - 1.0)).exp();
             weights += weight;
-            let variances = of.shares.iter().zip(&of.scatter).map(|(share, scatter)| share * share + scatter);
-            sums.iter_mut().zip(variances).for_each(|(sum, variance)| *sum += weight * variance);
+            for (sum, (share, scatter)) in sums.iter_mut().zip(of.shares.iter().zip(&of.scatter)) {
+                *sum = [sum[0] + weight * share * share, sum[1] + weight * scatter];
+            }
         }
-        sums.into_iter().map(|sum| sum / weights + LEAST_SHARE * LEAST_SHARE).collect()
+        sums.into_iter()
+            .map(|[left, scatter]| [left / weights, scatter / weights + LEAST_SHARE * LEAST_SHARE])
+            .collect()
+    }
+
+    /// Correlation of what is left of the components: what the known winds did to several
+    /// instruments alike, as a boom does that follows slowly. Drawn to none by as many winds as
+    /// there are components.
+    pub fn correlation(&self) -> DMatrix<f64> {
+        let components = self.components();
+        let mut sums = DMatrix::zeros(components, components);
+        for of in &self.left {
+            let variances = self.variances(of.towards);
+            let units = variances.iter().zip(&of.shares).map(|([left, _], share)| share / left.sqrt().max(LEAST_SHARE));
+            let units = DVector::from_iterator(components, units);
+            sums += &units * units.transpose();
+        }
+        let known = self.left.len() as f64 / (self.left.len() + components) as f64;
+        DMatrix::from_fn(components, components, |i, j| match i == j {
+            true => 1.0,
+            false => known * sums[(i, j)] / (sums[(i, i)] * sums[(j, j)]).sqrt().max(f64::MIN_POSITIVE),
+        })
     }
 }
 

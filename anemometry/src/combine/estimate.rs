@@ -2,12 +2,13 @@
 //!
 //! ```text
 //! cost(v) = Σ (w_i − |v| m_i)² / (s_i² |v|² + σ_i²) + Σ ln(s_i² + σ_i²/|v|²)
+//! χ²(v)   = rᵀ C⁻¹ r,    r_i = w_i − |v| m_i,    C_ij = ρ_ij s_i s_j |v|² + δ_ij (n_i |v|² + σ_i²)
 //!
-//! m: answers in the direction of v
+//! m: answers in the direction of v;  n: scatter of rows, part of s above;  ρ: correlation
 //! ```
 //!
-//! Sought in even directions, each with the speed that fits best there, then by Gauss–Newton from
-//! the best one, with variances as there.
+//! The cost is sought in even directions, each with the speed that fits best there, then χ² by
+//! Gauss–Newton from the best one, with C as there.
 //!
 //! | flag | when |
 //! |---|---|
@@ -15,7 +16,7 @@
 //! | inconsistent | χ² beyond the 99th percentile of chance, and of winds that were left out: the instruments do not say the same; uncertainties grow with χ |
 //! | no-direction | its standard uncertainty is above 20° |
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Matrix3xX, Vector3};
 
 use super::combination::Combination;
 use super::instrument::{InstrumentKind, InstrumentReading};
@@ -84,8 +85,16 @@ pub fn chi_square_99(degrees_of_freedom: usize) -> f64 {
 /// Combines readings by a [`Combination`].
 pub struct Combiner<'a> {
     combination: &'a Combination,
-    /// Direction, answers and s² of each.
-    grid: Vec<([f64; 3], Vec<f64>, Vec<f64>)>,
+    correlation: DMatrix<f64>,
+    grid: Vec<SearchedDirection>,
+}
+
+/// A direction of the search.
+struct SearchedDirection {
+    towards: [f64; 3],
+    answers: Vec<f64>,
+    /// By component: of what is left, and of rows.
+    variances: Vec<[f64; 2]>,
 }
 
 /// A component that was read: its place, value and σ²; of one that knows no speed both are shares.
@@ -106,8 +115,13 @@ impl ReadComponent {
 impl<'a> Combiner<'a> {
     /// Prepares the search.
     pub fn new(combination: &'a Combination) -> Self {
-        let of = |towards| (towards, combination.answers(towards), combination.variances(towards));
-        Self { combination, grid: combination.space.even_directions(DIRECTIONS).into_iter().map(of).collect() }
+        let of = |towards| SearchedDirection {
+            towards,
+            answers: combination.answers(towards),
+            variances: combination.variances(towards),
+        };
+        let grid = combination.space.even_directions(DIRECTIONS).into_iter().map(of).collect();
+        Self { combination, correlation: combination.correlation(), grid }
     }
 
     /// The wind of one reading of each instrument; none with fewer components than it has itself,
@@ -119,18 +133,17 @@ impl<'a> Combiner<'a> {
         }
         let starts: Vec<_> = self.grid.iter().map(|of| (fitted(&read, of), of)).collect();
         let ((speed_m_s, least), start) = starts.iter().min_by(|a, b| a.0.1.total_cmp(&b.0.1))?;
-        let variance = |of: &ReadComponent| start.2[of.place] * of.scale(*speed_m_s).powi(2) + of.variance;
-        let variances: Vec<f64> = read.iter().map(variance).collect();
-        let mut wind = Vector3::from(start.0) * *speed_m_s;
-        let (mut chi_square, mut normal) = (self.chi_square(&read, &variances, wind), Matrix3::identity());
+        let weight = self.covariance(&read, start, *speed_m_s).cholesky()?.inverse();
+        let mut wind = Vector3::from(start.towards) * *speed_m_s;
+        let (mut chi_square, mut normal) = (self.chi_square(&read, &weight, wind), Matrix3::identity());
         for _ in 0..MOST_STEPS {
-            let (h, b) = self.equations(&read, &variances, wind);
+            let (h, b) = self.equations(&read, &weight, wind);
             normal = h;
             let mut step = h.cholesky()?.solve(&b);
-            let mut next = self.chi_square(&read, &variances, wind + step);
+            let mut next = self.chi_square(&read, &weight, wind + step);
             while next > chi_square && step.norm() > SETTLED * wind.norm() {
                 step *= 0.5;
-                next = self.chi_square(&read, &variances, wind + step);
+                next = self.chi_square(&read, &weight, wind + step);
             }
             if next > chi_square {
                 break;
@@ -155,8 +168,9 @@ impl<'a> Combiner<'a> {
         let mut direction_u_rad = sideways.sqrt() / wind.norm();
         let far_deg =
             (ANOTHER_STEPS * self.combination.space.step_deg(DIRECTIONS)).max(ANOTHER_U * direction_u_rad.to_degrees());
-        let another =
-            |((_, cost), of): &((f64, f64), &(_, _, _))| *cost < least + AS_WELL && angle_deg(of.0, start.0) > far_deg;
+        let another = |((_, cost), of): &((f64, f64), &SearchedDirection)| {
+            *cost < least + AS_WELL && angle_deg(of.towards, start.towards) > far_deg
+        };
         let is_ambiguous = starts.iter().any(another);
         let degrees_of_freedom = read.len() - dimensions;
         let too_much = chi_square / (self.combination.chi_square_ratio * chi_square_99(degrees_of_freedom.max(1)));
@@ -202,47 +216,67 @@ impl<'a> Combiner<'a> {
         read.iter().map(|of| shares[of.place] * of.scale(speed_m_s)).collect()
     }
 
-    fn chi_square(&self, read: &[ReadComponent], variances: &[f64], wind: Vector3<f64>) -> f64 {
-        let off = read.iter().zip(self.answers(read, wind)).map(|(of, answer)| of.value - answer);
-        off.zip(variances).map(|(off, variance)| off * off / variance).sum()
+    /// C
+    fn covariance(&self, read: &[ReadComponent], at: &SearchedDirection, speed_m_s: f64) -> DMatrix<f64> {
+        DMatrix::from_fn(read.len(), read.len(), |i, j| {
+            let [left, scatter] = at.variances[read[i].place];
+            let scales = read[i].scale(speed_m_s) * read[j].scale(speed_m_s);
+            let alike = self.correlation[(read[i].place, read[j].place)];
+            let own = if i == j { scatter * scales + read[i].variance } else { 0.0 };
+            alike * (left * at.variances[read[j].place][0]).sqrt() * scales + own
+        })
     }
 
-    fn equations(&self, read: &[ReadComponent], variances: &[f64], wind: Vector3<f64>) -> (Matrix3<f64>, Vector3<f64>) {
+    /// What is read beyond the answers to a wind.
+    fn off(&self, read: &[ReadComponent], wind: Vector3<f64>) -> DVector<f64> {
+        let off = read.iter().zip(self.answers(read, wind)).map(|(of, answer)| of.value - answer);
+        DVector::from_iterator(read.len(), off)
+    }
+
+    fn chi_square(&self, read: &[ReadComponent], weight: &DMatrix<f64>, wind: Vector3<f64>) -> f64 {
+        let off = self.off(read, wind);
+        off.dot(&(weight * &off))
+    }
+
+    fn equations(
+        &self,
+        read: &[ReadComponent],
+        weight: &DMatrix<f64>,
+        wind: Vector3<f64>,
+    ) -> (Matrix3<f64>, Vector3<f64>) {
         let by = STEP * wind.norm();
-        let here = self.answers(read, wind);
-        let beside: [[Vec<f64>; 2]; 3] = std::array::from_fn(|k| {
+        let space = self.combination.space;
+        let mut rows = Matrix3xX::zeros(read.len());
+        for k in 0..3 {
             let step = Vector3::ith(k, by);
-            [self.answers(read, wind + step), self.answers(read, wind - step)]
-        });
-        let (mut h, mut b) = (Matrix3::zeros(), Vector3::zeros());
-        for (i, (of, variance)) in read.iter().zip(variances).enumerate() {
-            let row = Vector3::from_fn(|k, _| (beside[k][0][i] - beside[k][1][i]) / (2.0 * by));
-            let row = Vector3::from(self.combination.space.part(row.into()));
-            h += row * row.transpose() / *variance;
-            b += row * (of.value - here[i]) / *variance;
+            let slope = (self.off(read, wind - step) - self.off(read, wind + step)) / (2.0 * by);
+            rows.set_row(k, &slope.transpose());
         }
-        if let WindSpace::Across(normal) = self.combination.space {
+        rows.column_iter_mut().for_each(|mut row| row.copy_from_slice(&space.part([row[0], row[1], row[2]])));
+        let mut h = &rows * weight * rows.transpose();
+        if let WindSpace::Across(normal) = space {
             // Nothing leaves the plane.
             let normal = Vector3::from(normal);
             h += normal * normal.transpose() * h.trace();
         }
-        (h, b)
+        (h, &rows * (weight * self.off(read, wind)))
     }
 }
 
 /// The speed that fits best in a direction, and its cost.
-fn fitted(read: &[ReadComponent], (_, answers, variances): &([f64; 3], Vec<f64>, Vec<f64>)) -> (f64, f64) {
+fn fitted(read: &[ReadComponent], at: &SearchedDirection) -> (f64, f64) {
+    let variance = |of: &ReadComponent| at.variances[of.place].iter().sum::<f64>();
     let (mut both, mut own) = (0.0, 0.0);
     for of in read.iter().filter(|of| of.kind != InstrumentKind::Direction) {
-        let (answer, variance) = (answers[of.place], variances[of.place]);
-        both += answer * of.value / variance;
-        own += answer * answer / variance;
+        let answer = at.answers[of.place];
+        both += answer * of.value / variance(of);
+        own += answer * answer / variance(of);
     }
     let speed_m_s = (both / own).max(1e-6);
     let cost = read.iter().map(|of| {
         let scale = of.scale(speed_m_s);
-        let variance = variances[of.place] + of.variance / (scale * scale);
-        (of.value / scale - answers[of.place]).powi(2) / variance + variance.ln()
+        let variance = variance(of) + of.variance / (scale * scale);
+        (of.value / scale - at.answers[of.place]).powi(2) / variance + variance.ln()
     });
     (speed_m_s, cost.sum())
 }

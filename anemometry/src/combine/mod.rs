@@ -2,7 +2,7 @@
 //! a boom, booms beside each other, wires or cylinders on different axes, a vane.
 //!
 //! ```text
-//! w_i / |v| = Σ_j c_ij Y_j(v/|v|) + n_i          n_i of the variance s_i²(v/|v|) + σ_i²/|v|²
+//! w_i / |v| = Σ_j c_ij Y_j(v/|v|) + n_i          n_i of the variance s_i²(v/|v|) + σ_i²/|v|², and of correlation ρ
 //! ```
 //!
 //! | symbol | meaning |
@@ -12,6 +12,7 @@
 //! | c | how an instrument answers to winds from everywhere, its shadows and those of its neighbours included |
 //! | Y | functions of the direction ([`space`]), to the degree that is best in winds that were left out |
 //! | s | what these leave of winds whose directions were left out, and the scatter of rows beyond σ, by direction: an instrument in the lee of its own body, or of a mast, loses its weight there |
+//! | ρ | correlation of what is left of the components, in all directions alike |
 //! | σ | standard uncertainty as the instrument states it |
 //!
 //! The estimate is the v for which the components are likeliest; speeds count by shares, since what
