@@ -75,14 +75,14 @@ pub fn gain_schedule(plant: &Plant<'_>, steady: &KalmanFilter) -> Option<GainSch
 }
 
 fn sets(plant: &Plant<'_>, steady: &KalmanFilter, delay_s: f64) -> Option<Vec<FasterGainsConfig>> {
-    let surface = plant.own.surface.as_ref()?;
+    let shares = plant.own.shares();
     let gains = plant.gains();
     let states = gains.len();
     let (transition, noise, h) = plant.equations(steady.step_w);
     let r = plant.variance_k2();
     let mut p = riccati(&transition, &h, &noise, r)?;
     for since_s in [0.0, delay_s] {
-        let moved = |k: usize| -surface[k] * mesh::gain(plant.own.mesh_rad_s[k], since_s);
+        let moved = |k: usize| -shares[k] * mesh::gain(plant.own.mesh_rad_s[k], since_s);
         let v = DVector::from_fn(states + 1, |k, _| if k < states { moved(k) } else { 1.0 });
         p += 0.5 * JUMP_W * JUMP_W * &v * v.transpose();
     }

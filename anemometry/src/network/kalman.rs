@@ -21,8 +21,8 @@
 //! G = Σ R_k g_k m_k/(z − a_k),    C = Σ R_k g_k c_k/(z − a_k)
 //! ```
 //!
-//! An element without a surface has no q: its states are random walks, and the bandwidth is that of
-//! T → T̂.
+//! q of an element without a surface is heat on ways that the identification did not have, as from
+//! a support at another temperature.
 //!
 //! Behind n layers q is n + 1 times integrated before it is read: the noise of q̂ grows with
 //! bandwidth^(n + 3/2), and f32 on the board, 4 µK of a temperature, with it. For the element of
@@ -68,7 +68,7 @@ pub struct Plant<'a> {
 /// Gains of an element's steady filter, with its bandwidth and noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KalmanFilter {
-    /// ℓ, W/K; 0 without a surface.
+    /// ℓ, W/K.
     pub convection_w_per_k: f64,
     /// c_k, W/K.
     pub correction_w_per_k: Vec<f64>,
@@ -76,7 +76,7 @@ pub struct KalmanFilter {
     pub weights: [f64; 2],
     /// σ, W.
     pub step_w: f64,
-    /// −3 dB of q → q̂ (T → T̂ without a surface), Hz.
+    /// −3 dB of q → q̂, Hz.
     pub bandwidth_hz: f64,
     /// Standard deviation of q̂ by the noise of the readings alone, W.
     pub noise_w: f64,
@@ -102,10 +102,8 @@ pub fn design(plant: &Plant<'_>, bandwidth_hz: f64) -> Result<KalmanFilter, Netw
             "noise of readings is {low_k} K at the low and {high_k} K at the high level: both must be above 0"
         )));
     }
-    // In units of what one step does to the temperature against the noise; without a surface it
-    // does so at once.
-    let of_a_step = |g: f64| if plant.own.surface.is_some() { g } else { 1.0 };
-    let seen_k_per_w: f64 = plant.own.r_k_per_w.iter().zip(plant.gains()).map(|(r, g)| r.abs() * of_a_step(g)).sum();
+    // In units of what one step does to the temperature against the noise.
+    let seen_k_per_w: f64 = plant.own.r_k_per_w.iter().zip(plant.gains()).map(|(r, g)| r.abs() * g).sum();
     let unit_w = plant.variance_k2().sqrt() / seen_k_per_w.max(f64::MIN_POSITIVE);
     let at = |ln_step: f64| plant.filter(ln_step.exp(), bandwidth_hz);
     // From a middling step outwards: far beyond what is needed the equations are ill conditioned.
@@ -154,11 +152,11 @@ impl Plant<'_> {
         1.0 / (NOMINAL_DUTY / (high_k * high_k) + (1.0 - NOMINAL_DUTY) / (low_k * low_k))
     }
 
-    /// Transition, noise and output of the states and q, for a random walk of q (without a surface,
-    /// of the states).
+    /// Transition, noise and output of the states and q, for a random walk of q.
     pub(super) fn equations(&self, step_w: f64) -> (DMatrix<f64>, DMatrix<f64>, DVector<f64>) {
         let gains = self.gains();
-        let (states, order) = (gains.len(), gains.len() + usize::from(self.own.surface.is_some()));
+        let shares = self.own.shares();
+        let (states, order) = (gains.len(), gains.len() + 1);
         let mut transition = DMatrix::zeros(order, order);
         let mut noise = DMatrix::zeros(order, order);
         let mut h = DVector::zeros(order);
@@ -167,19 +165,14 @@ impl Plant<'_> {
             h[k] = self.own.r_k_per_w[k];
         }
         let variance = step_w * step_w;
-        match &self.own.surface {
-            Some(surface) => {
-                for (k, g) in gains.iter().enumerate() {
-                    transition[(k, states)] = -g * surface[k];
-                    for (j, other) in gains.iter().enumerate() {
-                        noise[(k, j)] = POWER_NOISE * POWER_NOISE * variance * g * other;
-                    }
-                }
-                transition[(states, states)] = 1.0;
-                noise[(states, states)] = variance;
+        for (k, g) in gains.iter().enumerate() {
+            transition[(k, states)] = -g * shares[k];
+            for (j, other) in gains.iter().enumerate() {
+                noise[(k, j)] = POWER_NOISE * POWER_NOISE * variance * g * other;
             }
-            None => noise.fill_diagonal(variance),
         }
+        transition[(states, states)] = 1.0;
+        noise[(states, states)] = variance;
         (transition, noise, h)
     }
 
@@ -196,17 +189,14 @@ impl Plant<'_> {
         let seen = h.dot(&ph);
         let gain = &ph / (seen + r);
         let correction: Vec<f64> = (0..states).map(|k| gain[k] * (1.0 - gains[k]) / gains[k]).collect();
-        let convection = if self.own.surface.is_some() { -gain[states] } else { 0.0 };
+        let convection = -gain[states];
         let bandwidth_hz = self.bandwidth_hz(&gains, convection, &correction, near_hz);
-        let mut noise_w = 0.0;
-        if self.own.surface.is_some() {
-            let kept = DMatrix::identity(order, order) - &gain * h.transpose();
-            let driven = &transition * &gain;
-            let closed = lyapunov(&(&transition * &kept), &(&driven * driven.transpose() * r))
-                .ok_or_else(|| NetworkError::new("its filter is not stable: is the model right?"))?;
-            let row = kept.row(states);
-            noise_w = ((row * closed * row.transpose())[0] + r * gain[states] * gain[states]).sqrt();
-        }
+        let kept = DMatrix::identity(order, order) - &gain * h.transpose();
+        let driven = &transition * &gain;
+        let closed = lyapunov(&(&transition * &kept), &(&driven * driven.transpose() * r))
+            .ok_or_else(|| NetworkError::new("its filter is not stable: is the model right?"))?;
+        let row = kept.row(states);
+        let noise_w = ((row * closed * row.transpose())[0] + r * gain[states] * gain[states]).sqrt();
         let level = |sd: f64| 1.0 / (seen + sd * sd);
         let (low, high) = (level(self.own.noise.low_k), level(self.own.noise.high_k));
         let mean = NOMINAL_DUTY * high + (1.0 - NOMINAL_DUTY) * low;
@@ -241,7 +231,7 @@ impl Plant<'_> {
         }
     }
 
-    /// q̂/q, or T̂/T without a surface.
+    /// q̂/q
     fn response(&self, gains: &[f64], convection: f64, correction: &[f64], hz: f64) -> Complex<f64> {
         let z = Complex::from_polar(1.0, std::f64::consts::TAU * hz * self.sample_period_s);
         let one = Complex::new(1.0, 0.0);
@@ -250,13 +240,9 @@ impl Plant<'_> {
             (0..gains.len()).map(term).sum()
         };
         let corrected = sum(&|k| correction[k]);
-        match &self.own.surface {
-            Some(surface) => {
-                let forward = z * convection / (z - one) * sum(&|k| surface[k]);
-                forward / (one + corrected + forward)
-            }
-            None => corrected / (one + corrected),
-        }
+        let shares = self.own.shares();
+        let forward = z * convection / (z - one) * sum(&|k| shares[k]);
+        forward / (one + corrected + forward)
     }
 }
 

@@ -1,5 +1,11 @@
-//! A quiescent-gas network as the board's configurations: filters of one bandwidth, element by
-//! element.
+//! A quiescent-gas network as the board's configurations: filters of one bandwidth for the
+//! surfaces, element by element.
+//!
+//! An element without a surface, as a core that guards the foot of a sector, has an unknown heat of
+//! its own: what its temperature needs beyond the model. A support that is warmer or colder than in
+//! the identification, or a stem that the wind cools, brings it; else all of that would be taken
+//! for wind, by the cross-heating. It changes slowly, and is let change at 0.2 Hz at most: between
+//! 0.05 and 0.5 Hz it made no difference (sphere B, support ±20 K).
 
 use dr_core::ConfigError;
 use dr_core::control::MOST_ELEMENTS;
@@ -10,6 +16,9 @@ use dr_core::model::{
 use super::error::NetworkError;
 use super::kalman::{KalmanFilter, Plant, design};
 use super::parameters::{CrossHeatingParameters, QuiescentNetwork, SelfHeatingParameters};
+
+/// Bandwidth of heat that elements without a surface lose on unknown ways, Hz, at most.
+const UNKNOWN_HEAT_HZ: f64 = 0.2;
 
 /// Configurations for the board, and how good its filters are.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,8 +41,8 @@ impl NetworkObserver {
         self.faster.iter().any(|of| usize::from(of.element) == place)
     }
 
-    /// Standard deviation of the convective power of an element of the head by the noise of its
-    /// readings, W; 0 without a surface.
+    /// Standard deviation of the convective power, or the unknown heat, of an element of the head
+    /// by the noise of its readings, W.
     pub fn noise_w(&self, place: usize) -> Option<f64> {
         let at = self.own.iter().position(|(own, _)| *own == place)?;
         Some(self.filters[at].noise_w)
@@ -59,7 +68,7 @@ impl NetworkObserver {
 }
 
 impl QuiescentNetwork {
-    /// Configurations for a sample period, with filters of one bandwidth.
+    /// Configurations for a sample period, with filters of one bandwidth for all surfaces.
     ///
     /// # Errors
     /// The element whose filter cannot be designed.
@@ -72,7 +81,9 @@ impl QuiescentNetwork {
             filters: Vec::new(),
         };
         for own in &self.own {
-            let filter = design(&Plant { own, sample_period_s }, bandwidth_hz).map_err(|error| error.of(&own.name))?;
+            let most_hz = if own.surface.is_some() { f64::INFINITY } else { UNKNOWN_HEAT_HZ };
+            let plant = Plant { own, sample_period_s };
+            let filter = design(&plant, bandwidth_hz.min(most_hz)).map_err(|error| error.of(&own.name))?;
             observer.own.push((own.element, own.config(&filter)));
             observer.filters.push(filter);
         }
@@ -82,11 +93,10 @@ impl QuiescentNetwork {
 
 impl SelfHeatingParameters {
     fn config(&self, filter: &KalmanFilter) -> NetworkSelfHeatingConfig {
-        let surface = self.surface.clone().unwrap_or_else(|| vec![1.0; self.mesh_rad_s.len()]);
         NetworkSelfHeatingConfig {
             mesh_rad_s: ascending(&self.mesh_rad_s),
             r_k_per_w: padded(&self.r_k_per_w, 0.0),
-            surface: padded(&surface, 1.0),
+            surface: padded(&self.shares(), 1.0),
             rest_c: self.rest_c as f32,
             gains: GainsConfig {
                 correction_w_per_k: padded(&filter.correction_w_per_k, 0.0),

@@ -9,8 +9,9 @@
 //! |---|---|---|---|
 //! | ξ | `mesh_rad_s` | rates of the relaxations | rad/s |
 //! | R | `r_k_per_w` | thermal resistance of each relaxation | K/W |
-//! | m | `surface` | temperature of the surface over that of the element in each relaxation ([`ladder`](super::ladder)) | |
-//! | P, q | | heating power and convective power | W |
+//! | m | `surface` | temperature of the surface over that of the element in each relaxation ([`ladder`](super::ladder)); 1 for an element without a surface | |
+//! | P | | heating power | W |
+//! | q | | convective power; of an element without a surface the heat that it loses on ways that the identification did not have: to a support or by a stem that are warmer, colder or windier than they were | W |
 
 use serde::{Deserialize, Serialize};
 
@@ -36,7 +37,7 @@ pub struct SelfHeatingParameters {
     pub mesh_rad_s: Vec<f64>,
     /// R_k
     pub r_k_per_w: Vec<f64>,
-    /// m_k; `None` for an element that no wind cools.
+    /// m_k; `None` for an element without a surface in the wind.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surface: Option<Vec<f64>>,
     /// Layers between the element and its surface; a head file has none, as the shares m_k say all
@@ -86,6 +87,13 @@ pub struct QuiescentNetwork {
     pub own: Vec<SelfHeatingParameters>,
     /// Cross-heating, one an ordered pair of elements.
     pub cross: Vec<CrossHeatingParameters>,
+}
+
+impl SelfHeatingParameters {
+    /// m_k, whether there is a surface or not.
+    pub fn shares(&self) -> Vec<f64> {
+        self.surface.clone().unwrap_or_else(|| vec![1.0; self.mesh_rad_s.len()])
+    }
 }
 
 impl ReadingNoise {

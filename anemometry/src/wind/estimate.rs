@@ -17,6 +17,7 @@ use super::off_line::{OffLineAnemometer, axes};
 use super::replay::Replay;
 use super::report::WindReport;
 use super::tally::EstimateTally;
+use super::unknown_heat::UnknownHeat;
 use crate::head::calibration::checked::Calibration;
 use crate::head::file::Head;
 use crate::head::output::WindOutput;
@@ -76,6 +77,7 @@ pub struct WindEstimation<'a> {
     comparison: WindComparison,
     has_truth: bool,
     levels: LevelRecord,
+    unknown_heat: Vec<UnknownHeat>,
     /// Of the gas, and of labels that do not match.
     warnings: Vec<String>,
 }
@@ -119,6 +121,7 @@ impl<'a> WindEstimation<'a> {
             comparison: WindComparison::in_plane(calibration.plane_normal()),
             has_truth: false,
             levels: LevelRecord::default(),
+            unknown_heat: cores(calibration),
             warnings,
         })
     }
@@ -169,6 +172,9 @@ impl<'a> WindEstimation<'a> {
             self.has_truth |= true_wind_m_s.is_some();
             if moment.time_s >= self.options.from_s && moment.time_s - begun_s >= self.options.settle_s {
                 self.tally.add(&sample);
+                for of in &mut self.unknown_heat {
+                    of.add(self.anemometer.unknown_heat_w(of.place));
+                }
                 if let Some(truth) = true_wind_m_s {
                     self.comparison.add(&sample, &self.axes, truth);
                 }
@@ -181,8 +187,8 @@ impl<'a> WindEstimation<'a> {
     /// Statistics of the estimates so far.
     pub fn report(self) -> WindReport {
         let (gaps, missing_s) = self.replay.gaps;
-        let heated = self.calibration.network.own.iter();
-        let at_one_level = heated.filter(|own| self.levels.is_constant(own.element)).map(|own| own.name.clone());
+        let surfaces = self.calibration.network.own.iter().filter(|own| own.surface.is_some());
+        let at_one_level = surfaces.filter(|own| self.levels.is_constant(own.element)).map(|own| own.name.clone());
         WindReport {
             at_one_level: at_one_level.collect(),
             warnings: self.warnings,
@@ -199,10 +205,17 @@ impl<'a> WindEstimation<'a> {
             from_s: self.options.from_s,
             settle_s: self.options.settle_s,
             counted: self.tally.summary(),
+            unknown_heat: self.unknown_heat.into_iter().filter(UnknownHeat::is_known).collect(),
             comparison: self.has_truth.then_some(self.comparison),
             written: Vec::new(),
         }
     }
+}
+
+/// Elements of the network without a surface.
+fn cores(calibration: &Calibration) -> Vec<UnknownHeat> {
+    let cores = calibration.network.own.iter().filter(|own| own.surface.is_none());
+    cores.map(|own| UnknownHeat::new(own.name.clone(), own.element)).collect()
 }
 
 /// Bandwidth and interval, the latter a whole number of ticks.

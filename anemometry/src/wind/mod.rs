@@ -28,6 +28,7 @@ pub mod off_line;
 pub mod replay;
 pub mod report;
 pub mod tally;
+pub mod unknown_heat;
 
 pub use estimate::{EstimatedWind, WindEstimation, WindOptions};
 pub use report::WindReport;

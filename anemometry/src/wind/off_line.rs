@@ -59,6 +59,12 @@ impl<'a> OffLineAnemometer<'a> {
         let estimate = self.anemometer.step(tick, |element, temperature_c| standing_w(head, element, temperature_c))?;
         Some(WindSample::from(&estimate))
     }
+
+    /// Heat that an element without a surface gains on ways that the identification did not have,
+    /// W.
+    pub fn unknown_heat_w(&self, element: usize) -> f64 {
+        -f64::from(self.anemometer.convection_w(element).unwrap_or(0.0))
+    }
 }
 
 /// Power of an element at its low level, W.

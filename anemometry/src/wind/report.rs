@@ -10,6 +10,7 @@ use serde::ser::{SerializeMap, Serializer};
 use super::comparison::WindComparison;
 use super::gas_input::GasInput;
 use super::tally::EstimateSummary;
+use super::unknown_heat::UnknownHeat;
 use crate::head::output::WindOutput;
 
 /// Summary of `anemo wind`.
@@ -45,6 +46,8 @@ pub struct WindReport {
     pub settle_s: f64,
     /// Statistics of the estimates that count.
     pub counted: EstimateSummary,
+    /// Heat of elements without a surface on ways that the identification did not have.
+    pub unknown_heat: Vec<UnknownHeat>,
     /// The same compared with the true wind, if any of it is known.
     pub comparison: Option<WindComparison>,
     /// Files that were written.
@@ -71,6 +74,7 @@ impl Serialize for WindReport {
         map.serialize_entry("speed_error_m_s", &counted.speed_error_m_s)?;
         map.serialize_entry("speed_standard_error", &counted.speed_standard_error)?;
         map.serialize_entry("direction_standard_error_deg", &counted.direction_standard_error_deg)?;
+        map.serialize_entry("unknown_heat", &self.unknown_heat)?;
         map.serialize_entry("compared", &errors.count)?;
         map.serialize_entry("failed", &errors.failed)?;
         map.serialize_entry("without_direction", &errors.no_direction)?;
@@ -140,6 +144,10 @@ impl WindReport {
                 write!(f, ", direction {error_deg:.2}°")?;
             }
             writeln!(f)?;
+        }
+        if !self.unknown_heat.is_empty() {
+            let each: Vec<String> = self.unknown_heat.iter().map(ToString::to_string).collect();
+            writeln!(f, "heat from the support or by the stem, beyond the identification's: {}", each.join(", "))?;
         }
         Ok(())
     }

@@ -288,10 +288,17 @@ impl<const N: usize> Anemometer<N> {
         output.starting_ticks.max(settling_ticks)
     }
 
-    /// Whether an element of the network has been at one level for too long.
+    /// Convective power of an element, or what a core loses on unknown ways, W.
+    pub fn convection_w(&self, element: usize) -> Option<f32> {
+        self.state.network.convection_w(element)
+    }
+
+    /// Whether an element with a surface has been at one level for too long. A core that loses its
+    /// fight with a warm support does no harm: its temperature is read, and its heat is not taken
+    /// for known.
     fn is_saturated(&self, output: &PreparedOutput) -> bool {
-        let mut level_ticks = self.state.level_ticks.iter().enumerate();
-        level_ticks.any(|(i, &ticks)| ticks > output.saturated_ticks && self.network.knows(i))
+        let level_ticks = |part: &command::HeadSurface| self.state.level_ticks.get(usize::from(part.element));
+        self.setup.surfaces().any(|part| level_ticks(part).is_some_and(|&ticks| ticks > output.saturated_ticks))
     }
 
     /// Temperature of the gas, measured or given, °C.

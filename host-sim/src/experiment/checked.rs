@@ -7,7 +7,9 @@ use dr_core::wind::{Anemometer, WindCommand};
 use super::drives::{DriveChange, GasRange};
 use super::grid;
 use super::models::Models;
-use crate::sensor::{Construction, GasSwing, Imperfections, Sensor, SensorConfig, SensorError, TimedFault, WindEntry};
+use crate::sensor::{
+    Construction, Imperfections, Sensor, SensorConfig, SensorError, TemperatureSwing, TimedFault, WindEntry,
+};
 use anemometry::gas::Species;
 use anemometry::head::{Head, WindOutput};
 use diffusive::model::Conditions;
@@ -47,9 +49,11 @@ pub struct Experiment {
     /// The mean, where it swings.
     pub gas_temperature_c: f64,
     /// How the gas temperature oscillates, if it does.
-    pub gas_swing: Option<GasSwing>,
+    pub gas_swing: Option<TemperatureSwing>,
     /// Temperature of what holds the head, °C.
     pub support_temperature_c: f64,
+    /// How the support's temperature oscillates, if it does.
+    pub support_swing: Option<TemperatureSwing>,
     /// Errors and noise of the simulated front end.
     pub imperfections: Imperfections,
     /// Places in `head` of the elements whose currents the experiment sets.
@@ -170,6 +174,7 @@ impl Experiment {
             gas_temperature_c: self.gas_temperature_c,
             gas_swing: self.gas_swing,
             support_temperature_c: self.support_temperature_c,
+            support_swing: self.support_swing,
             elements: self.head.elements.iter().map(|element| element.nominal).collect(),
             volt_per_code: self.head.volt_per_code,
             imperfections: self.imperfections,
@@ -197,7 +202,13 @@ impl Experiment {
         let checked = match self.windless_config() {
             Ok(config) => Sensor::new(&config).map(|_| ()),
             // A head that cannot be simulated may still be run on a real sensor.
-            Err(_) => self.gas_swing.map_or(Ok(()), |swing| swing.check(self.sample_period_s)),
+            Err(_) => {
+                let swings = [("gas", self.gas_swing), ("support", self.support_swing)];
+                let checked = |(of, swing): (&str, Option<TemperatureSwing>)| {
+                    swing.map_or(Ok(()), |swing| swing.check(of, self.sample_period_s))
+                };
+                swings.into_iter().try_for_each(checked)
+            }
         };
         checked.map_err(|error| match &error {
             SensorError::Number { key, sentence } => self.source.refuse(key, sentence),

@@ -28,9 +28,10 @@ pub fn scenario(experiment: &Experiment, model: &Model) -> Result<(Scenario, Vec
             experiment.time_s(change.tick)
         )));
     }
-    if let Some(swing) = &experiment.gas_swing {
+    for (of, swing) in [("gas", experiment.gas_swing), ("support", experiment.support_swing)] {
+        let Some(swing) = swing else { continue };
         return Err(ScenarioError(format!(
-            "the gas of the experiment swings by {} K, and a prediction is of a gas that stays: leave out `gas.swing`, or predict for the gas of one moment",
+            "the {of} of the experiment swings by {} K, and a prediction is of a {of} that stays: leave out `{of}.swing`, or predict for the {of} of one moment",
             swing.amplitude_k
         )));
     }

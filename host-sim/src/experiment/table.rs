@@ -8,7 +8,7 @@ use dr_core::sensor::Level;
 use serde::Deserialize;
 
 use super::sweep::SweepTable;
-use crate::sensor::{DirectionSwing, DustDevil, GasSwing, Gust, Imperfections, ResistorFault, Sine};
+use crate::sensor::{DirectionSwing, DustDevil, Gust, Imperfections, ResistorFault, Sine, TemperatureSwing};
 use anemometry::gas::Species;
 
 #[derive(Deserialize)]
@@ -76,13 +76,14 @@ pub(super) struct GasTable {
     pub species: Species,
     pub pressure_pa: f64,
     pub temperature_c: f64,
-    pub swing: Option<GasSwing>,
+    pub swing: Option<TemperatureSwing>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SupportTable {
     pub temperature_c: f64,
+    pub swing: Option<TemperatureSwing>,
 }
 
 /// Written as a word, or as a table of one key.

@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use dr_core::sensor::Level;
 
 use super::*;
-use crate::sensor::{DirectionSwing, GasSwing, Sine, Spectrum, Turbulence};
+use crate::sensor::{DirectionSwing, Sine, Spectrum, TemperatureSwing, Turbulence};
 use std::path::Path;
 
 use dr_core::control::Drive;
@@ -373,7 +373,7 @@ fn a_swing_of_the_gas_is_read_and_checked() {
     let gas = "temperature_c = -53.15\n";
     let swing = |keys: &str| with(gas, &format!("{gas}swing = {{ {keys} }}\n"));
     let found = swing("amplitude_k = 5.0, period_s = 600.0").unwrap();
-    assert_eq!(found.gas_swing, Some(GasSwing { amplitude_k: 5.0, period_s: 600.0, start_s: 0.0 }));
+    assert_eq!(found.gas_swing, Some(TemperatureSwing { amplitude_k: 5.0, period_s: 600.0, start_s: 0.0 }));
     assert_eq!(found.sensor_config().unwrap().gas_swing, found.gas_swing);
     // What it swings about is what models and recordings are told.
     assert_eq!((found.gas_temperature_c, found.conditions()), (-53.15, with("", "").unwrap().conditions()));
@@ -429,7 +429,7 @@ fn drives_must_do_in_all_of_the_gas_that_swings() {
 
 #[test]
 fn a_swing_on_a_head_that_nothing_simulates_is_checked_too() {
-    let swing = GasSwing { amplitude_k: -1.0, period_s: 60.0, start_s: 0.0 };
+    let swing = TemperatureSwing { amplitude_k: -1.0, period_s: 60.0, start_s: 0.0 };
     let mut experiment = with("", "").unwrap();
     (experiment.construction, experiment.gas_swing) = (None, Some(swing));
     let sentence = experiment.check_conditions().unwrap_err().to_string();

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::start::SetPointJudgement;
 use crate::experiment::{DriveChange, Experiment};
-use crate::sensor::{DirectionSwing, DustDevil, GasSwing, Gust, Sine, Spectrum, WindEntry};
+use crate::sensor::{DirectionSwing, DustDevil, Gust, Sine, Spectrum, TemperatureSwing, WindEntry};
 use anemometry::gas::Species;
 
 /// Entries of a list that are printed one by one.
@@ -26,7 +26,8 @@ pub struct CheckReport<'a> {
     drives: BTreeMap<&'a str, String>,
     changes: Vec<ChangeReport<'a>>,
     currents: BTreeMap<&'a str, CurrentLevels>,
-    gas_swing: Option<GasSwing>,
+    gas_swing: Option<TemperatureSwing>,
+    support_swing: Option<TemperatureSwing>,
     winds: usize,
     #[serde(flatten)]
     judgement: SetPointJudgement,
@@ -70,6 +71,7 @@ impl<'a> CheckReport<'a> {
             changes: experiment.changes.iter().map(change).collect(),
             currents: experiment.currents.iter().map(levels).collect(),
             gas_swing: experiment.gas_swing,
+            support_swing: experiment.support_swing,
             winds: experiment.wind.len(),
             judgement,
             models: experiment.models.as_ref().map(|models| models.conditions.as_str()),
@@ -110,7 +112,7 @@ impl fmt::Display for CheckReport<'_> {
         let names = experiment.head.names();
         writeln!(
             f,
-            "{} · head {}\n{} ticks of {} ms, {} s, in {} of {} Pa at {} °C{}, support at {} °C\n",
+            "{} · head {}\n{} ticks of {} ms, {} s, in {} of {} Pa at {} °C{}, support at {} °C{}\n",
             experiment.title,
             experiment.head.name,
             experiment.ticks,
@@ -122,8 +124,9 @@ impl fmt::Display for CheckReport<'_> {
             },
             experiment.pressure_pa,
             experiment.gas_temperature_c,
-            swing(experiment),
-            experiment.support_temperature_c
+            swinging(experiment.gas_swing),
+            experiment.support_temperature_c,
+            swinging(experiment.support_swing)
         )?;
         let width = names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
         for name in &names {
@@ -197,9 +200,9 @@ fn blown(entry: &WindEntry) -> String {
     text
 }
 
-/// How the gas's temperature swings, if it does.
-fn swing(experiment: &Experiment) -> String {
-    let Some(GasSwing { amplitude_k, period_s, start_s }) = experiment.gas_swing else { return String::new() };
+/// How a temperature swings, if it does.
+fn swinging(swing: Option<TemperatureSwing>) -> String {
+    let Some(TemperatureSwing { amplitude_k, period_s, start_s }) = swing else { return String::new() };
     let from = if start_s > 0.0 { format!(" from {start_s} s on") } else { String::new() };
     format!(" ± {amplitude_k} K in {period_s} s{from}")
 }

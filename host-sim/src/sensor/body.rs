@@ -151,6 +151,13 @@ impl ThermalBody {
         }
     }
 
+    /// The support's temperature from now on.
+    pub fn set_support_temperature_k(&mut self, temperature_k: f64) {
+        for link in &self.parts.supports {
+            self.network.boundary_mut(*link).temperature_k = temperature_k;
+        }
+    }
+
     /// The wind from now on, m/s.
     pub fn set_wind(&mut self, wind_m_s: [f64; 3]) {
         self.wind_m_s = wind_m_s;

@@ -5,7 +5,7 @@ use anemometry::head::{NominalElement, PlatinumKind};
 
 use super::construction::Construction;
 use super::front_end::{Imperfections, ResistorFault};
-use super::gas_swing::GasSwing;
+use super::temperature_swing::TemperatureSwing;
 use super::wind::WindEntry;
 
 /// Everything that a simulated sensor is made from. The default is sphere B in still carbon dioxide
@@ -25,9 +25,11 @@ pub struct SensorConfig {
     /// The mean, of a gas that swings.
     pub gas_temperature_c: f64,
     /// How its temperature oscillates, if it does.
-    pub gas_swing: Option<GasSwing>,
-    /// Temperature of the support, °C.
+    pub gas_swing: Option<TemperatureSwing>,
+    /// Temperature of the support, °C; the mean, if it swings.
     pub support_temperature_c: f64,
+    /// How it oscillates, if it does.
+    pub support_swing: Option<TemperatureSwing>,
     /// One for each of the construction's [`elements`](Construction::elements), in their order.
     pub elements: Vec<NominalElement>,
     /// Step of the converter, V.
@@ -69,6 +71,7 @@ impl Default for SensorConfig {
             gas_temperature_c: -53.15,
             gas_swing: None,
             support_temperature_c: -43.15,
+            support_swing: None,
             volt_per_code: 4.0 / 8_388_608.0,
             imperfections: Imperfections::default(),
             wind: Vec::new(),

@@ -12,7 +12,7 @@
 //! | `matching` | whether a head is the sensor that it names |
 //! | `config`, `error` | what a sensor is made from, and why it cannot be made |
 //! | [`wind`] | held entries, and turbulence, gusts, sines and dust devils on top of them |
-//! | `gas_swing` | a gas whose temperature swings |
+//! | `temperature_swing` | a gas or a support whose temperature swings |
 //! | `front_end` | currents, resistors, converter, faults |
 //!
 //! [`Sensor`] puts them together. One tick: the controller decides the heater bits,
@@ -40,13 +40,13 @@ mod construction;
 pub mod convection;
 mod error;
 mod front_end;
-mod gas_swing;
 mod matching;
 mod network;
 mod rod;
 mod simulated;
 mod specimen;
 mod survey;
+mod temperature_swing;
 mod truth;
 pub mod wind;
 
@@ -55,10 +55,10 @@ pub use config::{SensorConfig, TimedFault};
 pub use construction::Construction;
 pub use error::SensorError;
 pub use front_end::{Imperfections, ResistorFault};
-pub use gas_swing::GasSwing;
 pub use matching::construction_of;
 pub use simulated::Sensor;
 pub use survey::{BodySurvey, OperatingPoint};
+pub use temperature_swing::TemperatureSwing;
 pub use truth::SensorTruth;
 pub use wind::{DirectionSwing, DustDevil, Gust, Sine, Spectrum, Turbulence, WindEntry};
 

@@ -14,7 +14,7 @@ use super::body::ThermalBody;
 use super::config::{SensorConfig, TimedFault};
 use super::error::{SensorError, require};
 use super::front_end::SimulatedFrontEnd;
-use super::gas_swing::GasSwing;
+use super::temperature_swing::TemperatureSwing;
 use super::truth::SensorTruth;
 use super::wind::SimulatedWind;
 use anemometry::gas::{IdealGas, ZERO_CELSIUS_K};
@@ -31,7 +31,9 @@ pub struct Sensor {
     pub(super) body: ThermalBody,
     gas_temperature_c: f64,
     /// About that temperature.
-    gas_swing: Option<GasSwing>,
+    gas_swing: Option<TemperatureSwing>,
+    support_temperature_c: f64,
+    support_swing: Option<TemperatureSwing>,
     front_end: SimulatedFrontEnd,
     faults: Vec<TimedFault>,
     element_temperature_c: Vec<f64>,
@@ -68,8 +70,11 @@ impl Sensor {
         )?;
         let body = config.construction.body(&gas, config.support_temperature_c + ZERO_CELSIUS_K, config.seed)?;
         if let Some(swing) = &config.gas_swing {
-            swing.check(sample_period_s)?;
+            swing.check("gas", sample_period_s)?;
             check_range(&gas, swing, config)?;
+        }
+        if let Some(swing) = &config.support_swing {
+            swing.check("support", sample_period_s)?;
         }
         let wind_m_s = wind.mean_m_s();
         let mut sensor = Sensor {
@@ -79,6 +84,8 @@ impl Sensor {
             body,
             gas_temperature_c: config.gas_temperature_c,
             gas_swing: config.gas_swing,
+            support_temperature_c: config.support_temperature_c,
+            support_swing: config.support_swing,
             front_end,
             faults: checked_faults(&config.faults, expected)?,
             element_temperature_c: vec![0.0; expected],
@@ -109,6 +116,10 @@ impl Sensor {
         self.wind_m_s = self.wind.advance();
         if self.gas_swing.is_some() {
             self.body.set_gas_temperature_k(self.gas_at_c(self.tick) + ZERO_CELSIUS_K);
+        }
+        if let Some(swing) = self.support_swing {
+            let support_c = self.support_temperature_c + swing.offset_k(self.time_s());
+            self.body.set_support_temperature_k(support_c + ZERO_CELSIUS_K);
         }
         self.body.set_wind(self.wind_m_s);
         self.front_end.hold(heaters);
@@ -201,7 +212,7 @@ impl Sensor {
 }
 
 /// Refuses a swing that leaves the range in which the gas or its convection is known.
-fn check_range(gas: &IdealGas, swing: &GasSwing, config: &SensorConfig) -> Result<(), SensorError> {
+fn check_range(gas: &IdealGas, swing: &TemperatureSwing, config: &SensorConfig) -> Result<(), SensorError> {
     for end_k in [gas.temperature_k - swing.amplitude_k, gas.temperature_k + swing.amplitude_k] {
         let gas = IdealGas::new(gas.species, gas.pressure_pa, end_k).map_err(|_| {
             let expected = "so small that the gas stays within -123.15 to 126.85 °C, where its properties are known";

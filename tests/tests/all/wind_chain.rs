@@ -61,6 +61,18 @@ fn sphere_b_tells_winds_that_it_has_never_seen() {
     // What the model of the surface is for.
     assert!(errors.linear_deg.rms().unwrap() > 2.0 * direction_deg);
 
+    // A support that is 20 K colder or warmer than in the identification and in the tunnel; the
+    // warmer one is as warm as the cores, which then lose their fight.
+    for support_c in ["-63.15", "-23.15"] {
+        let moved = [winds[0], winds[1], ("-43.15", support_c)];
+        let unseen = changed("wind/sphere-b/winds.toml", &moved);
+        let errors = &directions::of(&unseen, &head, &[WindMode { bandwidth_hz: 1.0, fixed: false }]).unwrap()[0];
+        let (direction_deg, speed) = (errors.direction_deg.rms().unwrap(), errors.speed.rms().unwrap());
+        println!("support at {support_c} °C: direction {direction_deg:.3}° rms, speed {:.3} % rms", 100.0 * speed);
+        assert_eq!((errors.failed, errors.no_direction), (0, 0));
+        assert!(direction_deg <= 0.7 && speed <= 0.015);
+    }
+
     let swing = swing::measure(&lab, &head).unwrap();
     println!("gas swinging by {} K: {:.2} % at worst", swing.kelvin, 100.0 * swing.speed_worst);
     assert!(swing.speed_worst <= 0.03 && swing.kelvin >= 10.0);

@@ -64,9 +64,10 @@ fn the_board_takes_what_it_is_given_and_begins_where_the_head_stands() {
     parameters.own.iter_mut().for_each(|own| own.noise = NOISE);
     let observer = parameters.observer(5.0, 0.01).unwrap();
     let network = observer.board(0.01).unwrap();
-    assert!(observer.noise_w(0).unwrap() > 0.0 && observer.noise_w(2) == Some(0.0));
-    assert_eq!(observer.own[1].1.gains.convection_w_per_k, 0.0);
-    assert!(observer.own[1].1.gains.correction_w_per_k[0] > 0.0);
+    // The core has an unknown heat, which changes slowly.
+    assert!(observer.filters.iter().all(|filter| filter.noise_w > 0.0));
+    assert!((observer.filters[0].bandwidth_hz - 5.0).abs() < 0.01, "{:?}", observer.filters[0]);
+    assert!((observer.filters[1].bandwidth_hz - 0.2).abs() < 1e-3, "{:?}", observer.filters[1]);
     // Settled without wind: no convection, and the surface colder by what lies before it.
     let (p, core) = (0.03, 0.01);
     let gain = |r: &[f64]| r.iter().sum::<f64>();

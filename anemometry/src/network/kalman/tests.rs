@@ -250,21 +250,22 @@ fn a_step_of_the_wind_is_there_in_half_a_period_and_overshoots_little() {
 }
 
 #[test]
-fn an_element_without_a_surface_is_held_on_its_temperature() {
+fn an_element_without_a_surface_finds_heat_that_its_model_does_not_have() {
     let own = SelfHeatingParameters { surface: None, ..element(0) };
     let plant = plant(&own, 0.01);
-    let filter = design(&plant, 1.0).unwrap();
-    assert_eq!((filter.convection_w_per_k, filter.noise_w), (0.0, 0.0));
-    // A kelvin that the model does not know of: gone to a tenth within a period.
-    let (gains, mut x) = (plant.gains(), [0.0; 4]);
-    let mut e = 0.0;
-    for _ in 0..100 {
-        e = 1.0 - x.iter().zip(R).map(|(x, r)| x * r).sum::<f64>();
+    let filter = design(&plant, 0.2).unwrap();
+    let gains = plant.gains();
+    let (mut truth, mut x, mut q) = ([0.0; 4], [0.0; 4], 0.0);
+    // 1 mW flows away, as into a support that has become colder.
+    for _ in 0..3000 {
+        let e: f64 = truth.iter().zip(&x).zip(R).map(|((truth, x), r)| r * (truth - x)).sum();
+        q -= filter.convection_w_per_k * e;
         for k in 0..4 {
-            x[k] += gains[k] * (filter.correction_w_per_k[k] * e - x[k]);
+            x[k] += gains[k] * (filter.correction_w_per_k[k] * e - q - x[k]);
+            truth[k] += gains[k] * (-1e-3 - truth[k]);
         }
     }
-    assert!(e.abs() < 0.1, "{e}");
+    assert!((q / 1e-3 - 1.0).abs() < 0.01, "{q}");
 }
 
 #[test]

@@ -44,7 +44,7 @@ pub struct NetworkSelfHeatingConfig {
 pub struct GainsConfig {
     /// c_k, W/K.
     pub correction_w_per_k: [f32; ORDER],
-    /// ℓ, W/K; 0 for an element that no wind cools.
+    /// ℓ, W/K; 0 for an element all of whose heat is known.
     pub convection_w_per_k: f32,
     /// Weight of a reading at the low level, and of one at the high level.
     pub weights: [f32; 2],

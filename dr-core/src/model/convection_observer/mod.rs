@@ -15,7 +15,7 @@
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
-//! | q | convective power: convective loss beyond that in quiescent gas | W |
+//! | q | convective power: convective loss beyond that in quiescent gas; of a core its unknown heat | W |
 //! | e | innovation, weighted by s: a reading at the high level has a larger voltage and less noise | K |
 //! | s̄ | mean weight of the last readings: it keeps the bandwidth at any duty cycle (`gains`) | |
 //! | ℓ, c_k, s | gains and weights of a steady-state Kalman filter for which q is a random walk; they set the bandwidth | W/K |
@@ -32,8 +32,11 @@
 //! A correction c e_j is heat that the model of element j has missed, and so it warms the others,
 //! too. Without it, what q_j was late after a jump stays in their models until it has left the
 //! structure, and in q: of a jump 0.6 % for minutes, for three films on a tube at 1 Hz; with it
-//! 10⁻⁵ after 3 s. Elements without a surface are corrected by state and not by heat, and so this
-//! is not done for theirs.
+//! 10⁻⁵ after 3 s. An element with ℓ = 0 is corrected by state and not by heat, and so this is not
+//! done for it.
+//!
+//! q of an element without a surface, a core, is heat that it loses on ways that the identification
+//! did not have, as to a support at another temperature.
 //!
 //! **Alarm.** A fixed bandwidth is a compromise between noise and delay. The smoothed innovation is
 //! small while the wind changes as the filter assumes. Beyond a threshold the wind has changed
@@ -113,6 +116,13 @@ pub struct ConvectionObserverState<const N: usize> {
     monitor: [InnovationMonitor; N],
     /// All elements have been read at least once, so that the states have been initialised.
     initialised: bool,
+}
+
+impl<const N: usize> ConvectionObserverState<N> {
+    /// q of an element, W; none before the states have been initialised.
+    pub fn convection_w(&self, element: usize) -> Option<f32> {
+        self.convection_w.get(element).copied().filter(|_| self.initialised)
+    }
 }
 
 /// Inputs of the observer at a tick.

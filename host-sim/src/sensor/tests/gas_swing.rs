@@ -16,7 +16,7 @@ fn swinging(name: &str, amplitude_k: f64, period_s: f64, sample_period_s: f64) -
     }
     let mut wind = breeze();
     wind[0].turbulence = None;
-    let gas_swing = Some(GasSwing { amplitude_k, period_s, start_s: 0.0 });
+    let gas_swing = Some(TemperatureSwing { amplitude_k, period_s, start_s: 0.0 });
     SensorConfig { construction, elements, sample_period_s, gas_swing, wind, ..plain }
 }
 
@@ -171,8 +171,10 @@ fn a_sphere_does_not_notice_the_reference_beside_it() {
 #[test]
 fn before_its_start_the_gas_stands_still_to_the_bit() {
     let plain = SensorConfig { gas_swing: None, ..swinging("sphere-b", 5.0, 60.0, 0.01) };
-    let later =
-        SensorConfig { gas_swing: Some(GasSwing { amplitude_k: 5.0, period_s: 60.0, start_s: 2.0 }), ..plain.clone() };
+    let later = SensorConfig {
+        gas_swing: Some(TemperatureSwing { amplitude_k: 5.0, period_s: 60.0, start_s: 2.0 }),
+        ..plain.clone()
+    };
     let [mut plain, mut later] = [plain, later].map(|config| Sensor::new(&config).unwrap());
     assert!(later.gas_swings() && !plain.gas_swings());
     for tick in 0..400 {
@@ -204,6 +206,30 @@ fn a_swing_that_leaves_what_is_known_is_refused_by_name() {
     // more.
     let just = SensorConfig { pressure_pa: 30.0, ..bare };
     assert!(Sensor::new(&SensorConfig { gas_swing: None, ..just.clone() }).is_ok());
-    let hot = SensorConfig { gas_swing: Some(GasSwing { amplitude_k: 40.0, period_s: 60.0, start_s: 0.0 }), ..just };
+    let hot =
+        SensorConfig { gas_swing: Some(TemperatureSwing { amplitude_k: 40.0, period_s: 60.0, start_s: 0.0 }), ..just };
     assert!(message(hot).contains("gas.pressure_pa"));
+}
+
+/// The far ends of rods follow the support, and through them the core.
+#[test]
+fn a_core_follows_a_support_that_swings() {
+    let plain = SensorConfig { gas_swing: None, ..swinging("sphere-b", 1.0, 60.0, 0.1) };
+    let support_swing = Some(TemperatureSwing { amplitude_k: 10.0, period_s: 40_000.0, start_s: 0.0 });
+    let core_c = |config: &SensorConfig| {
+        let mut sensor = Sensor::new(config).unwrap();
+        (0..100_000).for_each(|_| sensor.advance(0));
+        sensor.truth().element_temperature_c[4]
+    };
+    // At its top after a quarter of a period: as slow as this it is all but settled there.
+    let warmer = SensorConfig { support_temperature_c: plain.support_temperature_c + 10.0, ..plain.clone() };
+    let (rest_c, settled_c) = (core_c(&plain), core_c(&warmer));
+    let swung_c = core_c(&SensorConfig { support_swing, ..plain.clone() });
+    assert!(settled_c - rest_c > 1.0, "{rest_c} {settled_c}");
+    assert!((swung_c - settled_c).abs() < 0.05 * (settled_c - rest_c), "{swung_c} for {settled_c}");
+    let none = SensorConfig {
+        support_swing: Some(TemperatureSwing { amplitude_k: 0.0, period_s: 60.0, start_s: 0.0 }),
+        ..plain
+    };
+    assert!(Sensor::new(&none).err().unwrap().to_string().contains("`support.swing.amplitude_k` is 0"));
 }

@@ -6,7 +6,7 @@ use super::chain;
 use super::directions::{self, Directions};
 use super::sphere::{BenchmarkSphere, SPHERE_A, SPHERE_B, modes};
 use super::steps::{self, Drift, StepResponses};
-use super::swing::{self, GasSwingErrors};
+use super::swing::{self, TemperatureSwingErrors};
 use super::turbulence::{self, TurbulenceResponse};
 use crate::thesis::{StudyError, StudyLab};
 use anemometry::calibrate::report::{ConductanceNoise, conductance_noise};
@@ -34,7 +34,7 @@ pub struct MeasuredSphere {
     /// Coherence and gain, by bandwidth.
     pub turbulence: Vec<TurbulenceResponse>,
     /// Errors in an oscillating gas temperature.
-    pub swing: GasSwingErrors,
+    pub swing: TemperatureSwingErrors,
 }
 
 /// Measures one sphere. `folder` is the one that holds the folders of the spheres.

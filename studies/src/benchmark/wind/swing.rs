@@ -12,7 +12,7 @@ const MODE: WindMode = WindMode { bandwidth_hz: 0.5, fixed: false };
 
 /// Relative, of means over ten seconds.
 #[derive(Debug, Clone, Copy)]
-pub struct GasSwingErrors {
+pub struct TemperatureSwingErrors {
     /// Peak to peak of the gas temperature, K.
     pub kelvin: f64,
     /// Root mean square error of the speed.
@@ -28,7 +28,7 @@ pub struct GasSwingErrors {
 ///
 /// # Errors
 /// What could not be run.
-pub fn measure(lab: &StudyLab, head: &Head) -> Result<GasSwingErrors, StudyError> {
+pub fn measure(lab: &StudyLab, head: &Head) -> Result<TemperatureSwingErrors, StudyError> {
     let experiment = lab.experiment("gas-swing")?;
     lab.announce(&experiment);
     let swing = experiment.gas_swing;
@@ -48,7 +48,7 @@ pub fn measure(lab: &StudyLab, head: &Head) -> Result<GasSwingErrors, StudyError
     let raws = || means.iter().map(|(count, _, raw)| raw / count);
     let count = means.len().max(1) as f64;
     let (least, most) = raws().fold((f64::INFINITY, 0.0_f64), |(a, b), raw| (a.min(raw), b.max(raw)));
-    Ok(GasSwingErrors {
+    Ok(TemperatureSwingErrors {
         kelvin: 2.0 * swing.amplitude_k,
         speed_rms: (errors().map(|e| e * e).sum::<f64>() / count).sqrt(),
         speed_worst: errors().fold(0.0, |worst, e| worst.max(e.abs())),
