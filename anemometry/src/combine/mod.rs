@@ -2,7 +2,7 @@
 //! a boom, booms beside each other, wires or cylinders on different axes, a vane.
 //!
 //! ```text
-//! w_i / |v| = Σ_j c_ij Y_j(v/|v|) + n_i          n_i of the variance s_i²(v/|v|) + σ_i²/|v|², and of correlation ρ
+//! w_i / |v| = Σ_j c_ij Y_j(v/|v|) + n_i          n_i of the variance s_i²(v/|v|) + σ_i²/|v|²
 //! ```
 //!
 //! | symbol | meaning |

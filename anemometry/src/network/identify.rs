@@ -149,8 +149,8 @@ fn first_round(record: &QuiescentRecord, poles: PolesPerPair) -> Result<Identifi
     Ok(IdentificationRound { name: record.name.clone(), driven: record.driven_name().to_owned(), models })
 }
 
-/// Free rates again, from those of the record's own first round, with the heating by the others' powers
-/// subtracted.
+/// Free rates again, from those of the record's own first round, with the heating by the others'
+/// powers subtracted.
 fn second_round(
     record: &QuiescentRecord,
     own: &IdentificationRound,

@@ -10,11 +10,11 @@
 //! | P | `period_s` | s |
 //! | t_start | `start_s` | s |
 //!
-//! What follows a gas: the temperature that every surface gives its heat to, and the properties of the
-//! gas at constant pressure, density, viscosity, conductivity and heat capacity, in the convection.
-//! What does not: the surroundings that the surfaces radiate to and the support stay at their own
-//! temperatures, as walls of a tunnel do that are heavier than its gas. What follows a support: the
-//! far ends of the rods that lead there, and nothing else.
+//! What follows a gas: the temperature that every surface gives its heat to, and the properties of
+//! the gas at constant pressure, density, viscosity, conductivity and heat capacity, in the
+//! convection. What does not: the surroundings that the surfaces radiate to and the support stay at
+//! their own temperatures, as walls of a tunnel do that are heavier than its gas. What follows a
+//! support: the far ends of the rods that lead there, and nothing else.
 //!
 //! Limits: one temperature everywhere in the gas, held over each sample period as the wind is;
 //! convection answers at once.
@@ -94,6 +94,6 @@ mod tests {
             sentence(TemperatureSwing { period_s: f64::INFINITY, ..SWING }).contains("`gas.swing.period_s` is inf")
         );
         assert!(sentence(TemperatureSwing { start_s: -1.0, ..SWING }).contains("`gas.swing.start_s` is -1"));
-        assert_eq!(TemperatureSwing { period_s: 0.2, ..SWING }.check(0.01), Ok(()));
+        assert_eq!(TemperatureSwing { period_s: 0.2, ..SWING }.check("gas", 0.01), Ok(()));
     }
 }
