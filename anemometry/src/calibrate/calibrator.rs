@@ -196,6 +196,7 @@ impl<'a> Calibrator<'a> {
             made_from: format!("{winds} of {recordings}; cross-validated: {}", overall.in_words()),
             species: *species,
             reference_gas_c: quiescent.gas_temperature_c,
+            support_c: (!self.is_by_table).then_some(quiescent.support_temperature_c),
             form,
             diameter_m,
             direction_error_max_deg,

@@ -137,7 +137,13 @@ impl SteadyWindSearch<'_> {
         period_s: f64,
     ) -> Result<SteadyWindCollector<'_>, RecordingError> {
         let refuse = |sentence: String| RecordingError::new(recording, sentence);
-        let differences = self.observed.quiescent.of_another_network(&conditions);
+        // Heat from another support is found where there are cores.
+        let quiescent = &self.observed.quiescent;
+        let support_temperature_c = match self.observed.network.has_cores() {
+            true => quiescent.support_temperature_c,
+            false => conditions.support_temperature_c,
+        };
+        let differences = quiescent.of_another_network(&Conditions { support_temperature_c, ..conditions.clone() });
         if !differences.is_empty() {
             return Err(refuse(format!(
                 "was taken {}, for which the network was identified: it holds for one gas and one support",
@@ -301,7 +307,7 @@ mod tests {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/fixtures/sphere-b-calibrated.toml");
         let head = Head::read(&path).unwrap();
         let calibration = head.calibration.as_ref().unwrap();
-        let observed = ObservedHead {
+        let mut observed = ObservedHead {
             head: &head,
             network: calibration.network.clone(),
             surfaces: calibration.surfaces.clone(),
@@ -309,17 +315,23 @@ mod tests {
             species: calibration.table.species,
             quiescent: mars(),
         };
-        let search = SteadyWindSearch { observed: &observed, settle_s: 0.0, winds: None };
-        let begun = |conditions: Conditions| search.begin(Path::new("t.parquet"), conditions, 1e-3).map(|_| ());
-        // Pressure and temperature may differ.
-        begun(Conditions { pressure_pa: 700.0, gas_temperature_c: -40.0, ..mars() }).unwrap();
-        let refused = begun(Conditions { support_temperature_c: -18.15, ..mars() }).unwrap_err().to_string();
+        let begun = |observed: &ObservedHead<'_>, conditions: Conditions| {
+            let search = SteadyWindSearch { observed, settle_s: 0.0, winds: None };
+            search.begin(Path::new("t.parquet"), conditions, 1e-3).map(|_| ())
+        };
+        let warm = Conditions { support_temperature_c: -18.15, ..mars() };
+        // Pressure and temperature may differ, and the support, whose heat the cores find.
+        begun(&observed, Conditions { pressure_pa: 700.0, gas_temperature_c: -40.0, ..mars() }).unwrap();
+        begun(&observed, warm.clone()).unwrap();
+        let air = Conditions { species: "air".to_owned(), ..mars() };
+        let refused = begun(&observed, air).unwrap_err().to_string();
+        assert!(refused.contains("was taken in air instead of co2"), "{refused}");
+        observed.network.own.retain(|own| own.surface.is_some());
+        let refused = begun(&observed, warm).unwrap_err().to_string();
         assert_eq!(
             refused,
             "t.parquet: was taken with its support at -18.15 °C instead of -43.15 °C, for which the network was identified: \
              it holds for one gas and one support"
         );
-        let refused = begun(Conditions { species: "air".to_owned(), ..mars() }).unwrap_err().to_string();
-        assert!(refused.contains("was taken in air instead of co2"), "{refused}");
     }
 }

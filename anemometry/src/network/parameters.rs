@@ -89,6 +89,13 @@ pub struct QuiescentNetwork {
     pub cross: Vec<CrossHeatingParameters>,
 }
 
+impl QuiescentNetwork {
+    /// Whether there are elements without a surface, which find heat from the support.
+    pub fn has_cores(&self) -> bool {
+        self.own.iter().any(|own| own.surface.is_none())
+    }
+}
+
 impl SelfHeatingParameters {
     /// m_k, whether there is a surface or not.
     pub fn shares(&self) -> Vec<f64> {

@@ -4,7 +4,7 @@
 //!
 //! | table | keys |
 //! |---|---|
-//! | `[calibration]` | `made_from` (in words), `species`, `reference_gas_c` (gas of the quiescent-gas network), `diameter_m`, `direction_error_max_deg`, optionally `reference` (the element that measures the gas) |
+//! | `[calibration]` | `made_from` (in words), `species`, `reference_gas_c` (gas of the quiescent-gas network), `support_c` (its support, if known), `diameter_m`, `direction_error_max_deg`, optionally `reference` (the element that measures the gas) |
 //! | `[calibration.nusselt]` | `least_reynolds`, `most_reynolds`, `amplitudes` (32 rows of a_0 … a_5); without it the head outputs conductances only |
 //! | `[calibration.card]` | in its place for four dice on a card: `least_reynolds`, `most_reynolds`, `mean` and `difference` (12 values over √Re from 0), `along`, `around`, `seen` (8 harmonics each), `mean_share`, `difference_share`; see [`dr_core::wind::card_inverse`] |
 //! | `[[calibration.surfaces]]` | `element`, `axis` and `corner` in the tunnel's frame, `area_m2`, `means`, `threefold`, `gain`, `quiescent_w_k` |

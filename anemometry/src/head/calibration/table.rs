@@ -19,6 +19,9 @@ pub struct CalibrationTable {
     pub species: Species,
     /// Temperature of the gas of the quiescent-gas network, °C.
     pub reference_gas_c: f64,
+    /// Temperature of the support in the records of the quiescent-gas network, °C, if they say it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub support_c: Option<f64>,
     /// What the surfaces belong to; without the key parts of a sphere, or dice.
     #[serde(default, skip_serializing_if = "is_sphere")]
     pub form: HeadForm,
