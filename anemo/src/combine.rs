@@ -10,6 +10,7 @@ use anemometry::combine::estimate::Combiner;
 use anemometry::combine::instrument::InstrumentKind;
 use anemometry::combine::readings::{COMBINES, CombinedReadings, RowsThatCount};
 use anemometry::combine::report::{CombinedReport, fit};
+use anemometry::combine::space::WindSpace;
 use anemometry::combine::vane::Vane;
 use anemometry::combine::{Combination, CombinedWind};
 use anemometry::vector::length;
@@ -164,7 +165,7 @@ fn make(arguments: &Arguments, readings: &CombinedReadings) -> Result<(), Failur
 fn estimate(arguments: &Arguments, combination: &Combination, readings: &CombinedReadings) -> Result<(), Failure> {
     let true_wind = readings.true_wind_m_s.iter().any(Option::is_some);
     let layout = RecordingLayout { true_wind, combined_wind: true, ..RecordingLayout::default() };
-    let metadata: Metadata = [
+    let mut metadata: Metadata = [
         ("title", format!("wind by {}", readings.names.join(", "))),
         ("combined_by", combination.made_from.clone()),
         (COMBINES, readings.whats.join("; ")),
@@ -174,6 +175,9 @@ fn estimate(arguments: &Arguments, combination: &Combination, readings: &Combine
     ]
     .map(|(key, value)| (key.to_owned(), value))
     .into();
+    if let WindSpace::Across([x, y, z]) = combination.space {
+        metadata.push((wind::PLANE_NORMAL.to_owned(), format!("{x} {y} {z}")));
+    }
     let options = WriterOptions::default();
     let mut outputs =
         RecordingOutputs::create(arguments.output.as_deref(), &arguments.picture, layout, &metadata, &options)?;

@@ -41,6 +41,8 @@ pub const DIRECTION_UNCERTAINTY: &str = "wind_direction_u_deg";
 pub const ESTIMATED_GAS: &str = "wind_gas_temperature_c";
 /// Quality flags, a sum of bits.
 pub const QUALITY_FLAGS: &str = "quality_flags";
+/// Key of the metadata: the normal of the plane in which all winds are, three numbers.
+pub const PLANE_NORMAL: &str = "wind_plane_normal";
 const CHI_SQUARE: &str = "wind_chi_square";
 /// Columns of a wind by several instruments.
 pub const COMBINED: [&str; 8] = [

@@ -34,7 +34,9 @@ impl WindSpace {
     pub fn of(towards: &[[f64; 3]]) -> Self {
         let moments: Matrix3<f64> = towards.iter().map(|of| Vector3::from(*of)).map(|of| of * of.transpose()).sum();
         let eigen = SymmetricEigen::new(moments);
-        let normal: [f64; 3] = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned().into();
+        let normal = eigen.eigenvectors.column(eigen.eigenvalues.imin());
+        // Of the two normals of a plane the one whose greatest component is positive.
+        let normal: [f64; 3] = (normal * normal[normal.iamax()].signum()).into();
         match towards.iter().all(|of| dot(*of, normal).abs() < FLAT) {
             true => Self::Across(normal),
             false => Self::Everywhere,

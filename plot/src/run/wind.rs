@@ -84,7 +84,7 @@ impl<'r> WindEstimates<'r> {
             speed_m_s,
             vector,
             truth,
-            comparison: Comparison::of_head(recording),
+            comparison: Comparison::of_recording(recording),
             has_direction: false,
             counted,
             compared: Vec::new(),

@@ -7,6 +7,7 @@ use anemometry::head::calibration::checked::plane_normal;
 use anemometry::vector::{across, angle_deg, cross, dot, length, unit};
 use dr_core::wind::HeadForm;
 use recording::Recording;
+use recording::wind::PLANE_NORMAL;
 
 use super::set_points::number;
 
@@ -55,8 +56,13 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// As the head that a recording carries resolves winds.
-    pub fn of_head(recording: &Recording) -> Self {
+    /// As the head that a recording carries resolves winds, or the combination that made it.
+    pub fn of_recording(recording: &Recording) -> Self {
+        if let Some(normal) = recording.metadata(PLANE_NORMAL) {
+            let numbers: Vec<f64> = normal.split(' ').filter_map(|of| of.parse().ok()).collect();
+            let normal: Option<[f64; 3]> = numbers.try_into().ok();
+            return Self { axis: None, normal: normal.filter(|normal| length(*normal) > 0.0).map(unit) };
+        }
         let head: Option<toml::Table> = recording.metadata("head").and_then(|text| text.parse().ok());
         let Some(calibration) = head.as_ref().and_then(|head| head.get("calibration")) else { return Self::default() };
         // Files from before version 0.2 call the surfaces parts.
