@@ -18,7 +18,7 @@ use super::off_line::{OffLineAnemometer, axes};
 use super::replay::Replay;
 use super::report::WindReport;
 use super::tally::EstimateTally;
-use super::unknown_heat::UnknownHeat;
+use super::unknown_heat::{UnknownHeat, contradiction};
 use crate::head::calibration::checked::Calibration;
 use crate::head::file::Head;
 use crate::head::output::WindOutput;
@@ -187,7 +187,9 @@ impl<'a> WindEstimation<'a> {
     }
 
     /// Statistics of the estimates so far.
-    pub fn report(self) -> WindReport {
+    pub fn report(mut self) -> WindReport {
+        self.unknown_heat.retain(UnknownHeat::is_known);
+        self.warnings.extend(contradiction(&self.unknown_heat));
         let (gaps, missing_s) = self.replay.gaps;
         let surfaces = self.calibration.network.own.iter().filter(|own| own.surface.is_some());
         let at_one_level = surfaces.filter(|own| self.levels.is_constant(own.element)).map(|own| own.name.clone());
@@ -207,7 +209,7 @@ impl<'a> WindEstimation<'a> {
             from_s: self.options.from_s,
             settle_s: self.options.settle_s,
             counted: self.tally.summary(),
-            unknown_heat: self.unknown_heat.into_iter().filter(UnknownHeat::is_known).collect(),
+            unknown_heat: self.unknown_heat,
             comparison: self.has_truth.then_some(self.comparison),
             written: Vec::new(),
         }

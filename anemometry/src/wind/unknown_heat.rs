@@ -5,6 +5,11 @@ use std::fmt;
 
 use serde::Serialize;
 
+/// Less heat than this is no drift that matters: 0.04 % of R₀ of a core of sphere B, 0.2 % of speed.
+const MATTERS_W: f64 = 1e-3;
+/// Heats whose sizes are nearer to each other than this ratio are of one cause.
+const ALIKE: f64 = 0.5;
+
 /// Statistics of one element's.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct UnknownHeat {
@@ -40,6 +45,18 @@ impl UnknownHeat {
     }
 }
 
+/// Two elements whose heats no support explains, in words: it gives both the same sign.
+pub fn contradiction(heats: &[UnknownHeat]) -> Option<String> {
+    let least = heats.iter().min_by(|a, b| a.mean_w.total_cmp(&b.mean_w))?;
+    let most = heats.iter().max_by(|a, b| a.mean_w.total_cmp(&b.mean_w))?;
+    let (gained_w, lost_w) = (most.mean_w, -least.mean_w);
+    (gained_w.min(lost_w) > MATTERS_W.max(ALIKE * gained_w.max(lost_w))).then(|| {
+        format!(
+            "heat of {most} and {least} has opposite signs, which no support gives: the resistor of one has drifted, and the wind is wrong by it"
+        )
+    })
+}
+
 impl fmt::Display for UnknownHeat {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [least, most] = self.range_w.map(|of| 1e3 * of);
@@ -58,5 +75,21 @@ mod tests {
         [1e-3, -2e-3, 4e-3].into_iter().for_each(|of| heat.add(of));
         assert_eq!(heat.to_string(), "`core1` 1.00 mW (-2.00 to 4.00)");
         assert!(heat.is_known());
+    }
+
+    #[test]
+    fn a_core_that_gains_what_the_other_loses_has_drifted() {
+        let heats = |means_w: [f64; 2]| {
+            let mut heats = vec![UnknownHeat::new("core1".to_owned(), 4), UnknownHeat::new("core2".to_owned(), 5)];
+            heats.iter_mut().zip(means_w).for_each(|(heat, mean_w)| heat.add(mean_w));
+            heats
+        };
+        let said = contradiction(&heats([-7.35e-3, 7.92e-3])).unwrap();
+        assert!(said.starts_with("heat of `core2` 7.92 mW (7.92 to 7.92) and `core1` -7.35 mW"), "{said}");
+        // A support, next to nothing, and a core in the wind beside one that is not.
+        for other in [[12e-3, 12e-3], [-12e-3, -12e-3], [0.5e-3, -0.5e-3], [-3.8e-3, 1.1e-3], [0.0, 0.0]] {
+            assert_eq!(contradiction(&heats(other)), None, "{other:?}");
+        }
+        assert_eq!(contradiction(&[]), None);
     }
 }
