@@ -62,7 +62,7 @@ fn labels_of_a_table_that_do_not_match_are_named() {
     assert!(text.contains("warning: winds.csv: `c` is no label of r.parquet"), "{text}");
     assert!(text.contains("warning: winds.csv: lacks `b`, which is in r.parquet"), "{text}");
     table(&["a", "b"]);
-    assert!(!stdout(&anemo(folder, &wind)).contains("warning"));
+    assert!(!stdout(&anemo(folder, &wind)).contains("winds.csv"));
 }
 
 #[test]
@@ -80,9 +80,8 @@ fn elements_that_no_loop_holds_are_named_once() {
     let said = |drive: &str| {
         let text = stdout(&anemo(recorded(drive).path(), &["wind", "r.parquet"]));
         assert!(text.contains("saturated "), "{text}");
-        text.contains(
-            "`sector1`, `sector2`, `sector3`, `sector4`, `core1`, `core2` stay at one level, as at constant current",
-        )
+        // Cores may.
+        text.contains("`sector1`, `sector2`, `sector3`, `sector4` stay at one level, as at constant current")
     };
     assert!(said("{ level = \"high\" }"));
 }

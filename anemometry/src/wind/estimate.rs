@@ -26,6 +26,9 @@ use crate::head::output::WindOutput;
 /// Share of a tick by which the output interval may be off.
 const WHOLE: f64 = 1e-3;
 
+/// With one of these an estimate is of a head that warms up, and the heat of its cores unknown.
+const NOT_SETTLED: [QualityFlags; 3] = [QualityFlags::STARTING, QualityFlags::SATURATED, QualityFlags::NOT_RUNNING];
+
 /// Options of the estimation.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct WindOptions {
@@ -174,8 +177,10 @@ impl<'a> WindEstimation<'a> {
             self.has_truth |= true_wind_m_s.is_some();
             if moment.time_s >= self.options.from_s && moment.time_s - begun_s >= self.options.settle_s {
                 self.tally.add(&sample);
-                for of in &mut self.unknown_heat {
-                    of.add(self.anemometer.unknown_heat_w(of.place));
+                if NOT_SETTLED.iter().all(|flag| !sample.quality_flags.has(*flag)) {
+                    for of in &mut self.unknown_heat {
+                        of.add(self.anemometer.unknown_heat_w(of.place));
+                    }
                 }
                 if let Some(truth) = true_wind_m_s {
                     self.comparison.add(&sample, &self.axes, truth);

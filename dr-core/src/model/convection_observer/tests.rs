@@ -56,7 +56,10 @@ fn look<'a>(temperature_c: &'a [f32; 2], power_w: &'a [f32; 2]) -> TickInput<'a,
 #[test]
 fn in_balance_two_equations_give_both_convective_powers() {
     let (temperature_c, power_w) = ([-30.0, -35.0], [0.06, 0.07]);
-    let found = pair().step(&mut ConvectionObserverState::default(), &look(&temperature_c, &power_w)).unwrap();
+    let mut state = ConvectionObserverState::default();
+    assert_eq!(state.convection_w(0), None);
+    let found = pair().step(&mut state, &look(&temperature_c, &power_w)).unwrap();
+    assert_eq!([0, 1, 2].map(|i| state.convection_w(i)), [Some(found.power_w[0]), Some(found.power_w[1]), None]);
     // [400 80; 50 300] (P − q) = (20, 15) K, by Cramer's rule.
     let determinant = 400.0 * 300.0 - 80.0 * 50.0;
     let taken_w = [(20.0 * 300.0 - 80.0 * 15.0) / determinant, (400.0 * 15.0 - 50.0 * 20.0) / determinant];
