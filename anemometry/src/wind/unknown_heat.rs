@@ -5,7 +5,8 @@ use std::fmt;
 
 use serde::Serialize;
 
-/// Less heat than this is no drift that matters: 0.04 % of R₀ of a core of sphere B, 0.2 % of speed.
+/// Less heat than this is no drift that matters: 0.01 % of R₀ of a core of sphere B, which is 0.2 %
+/// of speed.
 const MATTERS_W: f64 = 1e-3;
 /// Heats whose sizes are nearer to each other than this ratio are of one cause.
 const ALIKE: f64 = 0.5;
