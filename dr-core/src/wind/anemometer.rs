@@ -297,8 +297,12 @@ impl<const N: usize> Anemometer<N> {
     /// fight with a warm support does no harm: its temperature is read, and its heat is not taken
     /// for known.
     fn is_saturated(&self, output: &PreparedOutput) -> bool {
-        let level_ticks = |part: &command::HeadSurface| self.state.level_ticks.get(usize::from(part.element));
-        self.setup.surfaces().any(|part| level_ticks(part).is_some_and(|&ticks| ticks > output.saturated_ticks))
+        let mut level_ticks = self.state.level_ticks.iter().enumerate();
+        level_ticks.any(|(i, &ticks)| {
+            ticks > output.saturated_ticks
+                && self.network.knows(i)
+                && self.setup.surfaces().any(|part| usize::from(part.element) == i)
+        })
     }
 
     /// Temperature of the gas, measured or given, °C.
