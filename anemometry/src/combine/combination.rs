@@ -234,7 +234,9 @@ impl Combination {
 
 /// Components of what instruments say in a known wind, of its speed.
 fn shares_of(of: &KnownWind, axes: &[Vec<[f64; 3]>]) -> Vec<f64> {
-    let share = |reading: &InstrumentReading, axis: &[f64; 3]| dot(reading.wind_m_s, *axis) / of.scale(reading.kind);
+    let share = |reading: &InstrumentReading, axis: &[f64; 3]| {
+        dot(reading.wind_m_s, *axis) / reading.kind.scale(length(of.wind_m_s))
+    };
     let each = of.readings.iter().flatten().zip(axes);
     each.flat_map(|(reading, axes)| axes.iter().map(move |axis| share(reading, axis))).collect()
 }
@@ -243,7 +245,7 @@ fn shares_of(of: &KnownWind, axes: &[Vec<[f64; 3]>]) -> Vec<f64> {
 fn scatter_of(of: &KnownWind, instruments: &[InstrumentAnswer]) -> Vec<f64> {
     let each = of.readings.iter().flatten().zip(&of.scatter).zip(instruments);
     let beyond = |reading: &InstrumentReading, scatter: &Matrix3<f64>, axis: [f64; 3]| {
-        (variance(scatter, axis) - reading.variance(axis)).max(0.0) / of.scale(reading.kind).powi(2)
+        (variance(scatter, axis) - reading.variance(axis)).max(0.0) / reading.kind.scale(length(of.wind_m_s)).powi(2)
     };
     let all = each.flat_map(|((reading, scatter), of)| of.axes.iter().map(move |axis| beyond(reading, scatter, *axis)));
     all.collect()

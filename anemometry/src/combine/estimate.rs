@@ -105,13 +105,6 @@ struct ReadComponent {
     kind: InstrumentKind,
 }
 
-impl ReadComponent {
-    /// What it is divided by in a wind of this speed to be a share.
-    fn scale(&self, speed_m_s: f64) -> f64 {
-        if self.kind == InstrumentKind::Direction { 1.0 } else { speed_m_s }
-    }
-}
-
 impl<'a> Combiner<'a> {
     /// Prepares the search.
     pub fn new(combination: &'a Combination) -> Self {
@@ -213,14 +206,14 @@ impl<'a> Combiner<'a> {
     fn answers(&self, read: &[ReadComponent], wind: Vector3<f64>) -> Vec<f64> {
         let speed_m_s = wind.norm();
         let shares = self.combination.answers(self.combination.space.part((wind / speed_m_s).into()));
-        read.iter().map(|of| shares[of.place] * of.scale(speed_m_s)).collect()
+        read.iter().map(|of| shares[of.place] * of.kind.scale(speed_m_s)).collect()
     }
 
     /// C
     fn covariance(&self, read: &[ReadComponent], at: &SearchedDirection, speed_m_s: f64) -> DMatrix<f64> {
         DMatrix::from_fn(read.len(), read.len(), |i, j| {
             let [left, scatter] = at.variances[read[i].place];
-            let scales = read[i].scale(speed_m_s) * read[j].scale(speed_m_s);
+            let scales = read[i].kind.scale(speed_m_s) * read[j].kind.scale(speed_m_s);
             let alike = self.correlation[(read[i].place, read[j].place)];
             let own = if i == j { scatter * scales + read[i].variance } else { 0.0 };
             alike * (left * at.variances[read[j].place][0]).sqrt() * scales + own
@@ -274,7 +267,7 @@ fn fitted(read: &[ReadComponent], at: &SearchedDirection) -> (f64, f64) {
     }
     let speed_m_s = (both / own).max(1e-6);
     let cost = read.iter().map(|of| {
-        let scale = of.scale(speed_m_s);
+        let scale = of.kind.scale(speed_m_s);
         let variance = variance(of) + of.variance / (scale * scale);
         (of.value / scale - at.answers[of.place]).powi(2) / variance + variance.ln()
     });

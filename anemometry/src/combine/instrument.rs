@@ -18,6 +18,11 @@ pub enum InstrumentKind {
 }
 
 impl InstrumentKind {
+    /// What components are divided by to be shares in a wind of this speed, m/s.
+    pub fn scale(self, speed_m_s: f64) -> f64 {
+        if self == Self::Direction { 1.0 } else { speed_m_s }
+    }
+
     /// In words.
     pub const fn name(self) -> &'static str {
         match self {

@@ -61,11 +61,6 @@ impl KnownWind {
     pub fn steady(wind_m_s: [f64; 3], readings: Vec<Option<InstrumentReading>>) -> Self {
         Self { wind_m_s, scatter: vec![Matrix3::zeros(); readings.len()], readings }
     }
-
-    /// What components of an instrument are divided by to be shares.
-    pub fn scale(&self, kind: InstrumentKind) -> f64 {
-        if kind == InstrumentKind::Direction { 1.0 } else { length(self.wind_m_s) }
-    }
 }
 
 /// Which rows count.
