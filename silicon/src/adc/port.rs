@@ -96,6 +96,11 @@ impl Adc {
         self.data_ready_low
     }
 
+    /// Whether each conversion is sent as a frame; not while registers are read.
+    pub const fn streams(&self) -> bool {
+        self.streams
+    }
+
     /// Whether chip select is low.
     pub const fn is_selected(&self) -> bool {
         self.is_selected

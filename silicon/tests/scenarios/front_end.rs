@@ -87,6 +87,26 @@ fn a_frame_that_was_torn_is_dropped_with_the_conversion_that_tore_it() {
     assert!(status.lost_conversions >= 200 + torn.times, "{} of {}", status.lost_conversions, torn.times);
 }
 
+/// The same in the middle of a read-back of the registers, where no frame is made of a conversion.
+#[test]
+fn a_conversion_that_came_while_registers_were_read_is_dropped() {
+    let (rig, instrument) = heating();
+    for phase_us in 0..40 {
+        while rig.machine().board().adc.streams() {
+            rig.machine().run_for(us(1)).unwrap();
+        }
+        rig.machine().run_for(us(phase_us)).unwrap();
+        rig.machine().board_mut().hold_core(true);
+        rig.machine().run_for(us(500)).unwrap();
+        rig.machine().board_mut().hold_core(false);
+        rig.machine().run_for(ms(1)).unwrap();
+    }
+    rig.machine().run_for(ms(1_200)).unwrap();
+    let status = Box::new(instrument).finish().unwrap().status.unwrap();
+    assert!((40..200).contains(&status.lost_conversions), "{}", status.lost_conversions);
+    rig.assert_no_complaint();
+}
+
 #[test]
 fn a_dead_data_line_is_counted() {
     let (rig, instrument) = heating();

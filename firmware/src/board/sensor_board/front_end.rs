@@ -100,7 +100,8 @@ pub struct AdcFrontEnd {
     input: FrontEndInput,
     /// A conversion was overwritten before it was read.
     overran: bool,
-    /// The edge that waits came while a frame was read: what is left of its own is no frame.
+    /// The edge that waits came while a frame or the registers were read: what is left of its own is
+    /// no frame.
     torn: bool,
     /// Conversions without codes so far.
     lost: u32,
@@ -203,6 +204,8 @@ impl AdcFrontEnd {
             {
                 self.unchecked = 0;
                 self.fault = self.adc.verify(&mut CycleDelay).err().map(|_| Cause::AdcRegister);
+                // What was converted meanwhile is no frame: it was not streamed.
+                self.torn |= self.line.check_interrupt();
             }
         }
     }
