@@ -92,6 +92,7 @@ pub enum Parameter {
     StuckLimitTicks,
     SustainedPowerW,
     EnergyJ,
+    CalibrationUncertainty,
 }
 
 impl Parameter {

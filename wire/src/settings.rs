@@ -99,6 +99,8 @@ pub enum SettingKind {
     WindOutput = 0x27,
     /// State of the gas.
     Gas = 0x28,
+    /// What the calibration adds to the uncertainty of the wind.
+    Uncertainty = 0x29,
     /// Finding of a requested self-test for an element.
     Tested = 0x30,
     /// Finding of the self-test after a start.
@@ -211,6 +213,7 @@ impl Setting {
                     WindCommand::GasLaw(_) => (SettingKind::GasLaw, 0),
                     WindCommand::Output(_) => (SettingKind::WindOutput, 0),
                     WindCommand::Gas { .. } => (SettingKind::Gas, 0),
+                    WindCommand::Uncertainty(_) => (SettingKind::Uncertainty, 0),
                 },
                 Command::Clear
                 | Command::Start

@@ -16,8 +16,9 @@ use super::surfaces::calibration::SurfaceCalibration;
 use super::surfaces::cross_validation::cross_validate;
 use super::surfaces::readings::{DrawnSurfaces, LossLaw};
 use super::surfaces::solve::calibrate;
+use super::uncertainty::uncertainty;
 use crate::gas::Species;
-use crate::head::calibration::table::{CalibrationTable, SurfaceTable};
+use crate::head::calibration::table::{CalibrationTable, SurfaceTable, UncertaintyTable};
 use crate::head::file::Head;
 use crate::network::parameters::QuiescentNetwork;
 use crate::wind::given_winds::GivenWinds;
@@ -203,6 +204,7 @@ impl<'a> Calibrator<'a> {
             reference: reference.map(|element| head.elements[element].name.clone()),
             nusselt,
             card,
+            uncertainty: self.uncertainty(&result, steady)?,
             surfaces: self.surfaces(&result),
             self_heating: network.own.clone(),
             cross_heating: network.cross.clone(),
@@ -246,6 +248,26 @@ impl<'a> Calibrator<'a> {
             }
         }
         best.ok_or(refused.unwrap_or(CalibrateError::NoMinimum))
+    }
+
+    /// What the calibration adds to the uncertainty of a wind.
+    fn uncertainty(
+        &self,
+        result: &CalibrationResult,
+        steady: &[SteadyWind],
+    ) -> Result<Option<UncertaintyTable>, CalibrateError> {
+        let by_region = &result.cross_validation().compared;
+        Ok(match (result, &self.drawn) {
+            (CalibrationResult::Surfaces { calibration: of, .. }, DrawnHead::Surfaces(drawn)) => {
+                let axes = if of.form.is_sphere() && of.surfaces.len() > 2 { 2.0 } else { 1.0 };
+                let singly = cross_validate(drawn, steady, Scheme::EveryNth, FOLDS)?.compared;
+                uncertainty(by_region, &singly, [of.curves.least_reynolds, of.curves.most_reynolds], axes)
+            }
+            (CalibrationResult::Card { calibration: of, .. }, _) => {
+                uncertainty(by_region, by_region, [of.curves.least_reynolds, of.curves.most_reynolds], 1.0)
+            }
+            _ => None,
+        })
     }
 
     fn surfaces(&self, result: &CalibrationResult) -> Vec<SurfaceTable> {

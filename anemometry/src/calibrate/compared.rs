@@ -1,5 +1,47 @@
 //! Winds estimated with a calibration and compared with the known ones.
 
+use dr_core::wind::{MeasuredConductance, WindEstimate, calibration_uncertainty};
+
+/// What an estimate says of its own errors, by the noise of the readings alone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StatedError {
+    /// Of the speed, as its share.
+    pub speed_u: f64,
+    /// Of the direction about one axis, rad.
+    pub direction_u_rad: f64,
+    /// χ².
+    pub chi_square: f64,
+    /// Conductances less unknowns.
+    pub degrees_of_freedom: u8,
+    /// Mean of (G/σ)² of the surfaces.
+    pub precision: f64,
+    /// Slower or faster than all winds of the calibration that estimated it.
+    pub is_extrapolated: bool,
+}
+
+impl StatedError {
+    /// Of an estimate from these conductances.
+    pub fn of(
+        estimate: &WindEstimate,
+        measured: &[Option<MeasuredConductance>],
+        is_extrapolated: bool,
+    ) -> Self {
+        Self {
+            speed_u: f64::from(estimate.speed_error_m_s / estimate.speed_m_s),
+            direction_u_rad: estimate.direction_error_rad.into(),
+            chi_square: estimate.chi_square.into(),
+            degrees_of_freedom: estimate.degrees_of_freedom,
+            precision: calibration_uncertainty::precision(measured).into(),
+            is_extrapolated,
+        }
+    }
+
+    /// χ² if the calibration misses conductances by a share.
+    pub fn chi_square_with(&self, conductance_share: f64) -> f64 {
+        self.chi_square / (1.0 + conductance_share.powi(2) * self.precision)
+    }
+}
+
 /// One wind, known and estimated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ComparedWind {
@@ -9,6 +51,8 @@ pub struct ComparedWind {
     pub direction_deg: Option<f64>,
     /// Relative error of speed.
     pub speed: f64,
+    /// What the estimate says of its errors.
+    pub stated: StatedError,
 }
 
 /// Errors of several winds.

@@ -25,6 +25,7 @@ pub mod steady_table;
 pub mod steady_wind;
 pub mod steady_winds;
 pub mod surfaces;
+pub mod uncertainty;
 
 pub use calibrator::{Calibrator, NetworkSource};
 pub use card::drawn::DrawnCard;

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | speed | root mean square of (|v̂| − |v|)/|v| |
 //! | direction | root mean square of the angle between v̂ and v, of estimates that have a direction |
+//! | coverage | share of estimates without a flag (but `undetermined`) whose 95 % interval holds the true value: |v̂| − |v| within 1.96 u, a direction within 1.96 u about one axis or 2.45 u about two |
 //! | linear | the same angle of the linear inverse −Σ G_i n_i, for heads with axes in all directions |
 
 use dr_core::wind::QualityFlags;
@@ -13,6 +14,10 @@ use crate::vector::{across, angle_deg, length};
 
 /// Winds slower than this have no direction to speak of, and no relative speed, m/s.
 pub const SLOWEST_M_S: f64 = 0.3;
+
+/// Half a 95 % interval in standard uncertainties: of one number, and of a direction about two axes.
+const ONE_AXIS: f64 = 1.96;
+const TWO_AXES: f64 = 2.45;
 
 /// Adds errors up.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -29,6 +34,10 @@ pub struct WindComparison {
     pub failed: u64,
     /// Estimates of these without a direction.
     pub no_direction: u64,
+    /// Whether 95 % intervals hold the true speed.
+    pub speed_coverage: Coverage,
+    /// Whether 95 % intervals hold the true direction.
+    pub direction_coverage: Coverage,
     /// Normal of the plane in which the wind is compared, of a head that outputs no other.
     plane: Option<[f64; 3]>,
 }
@@ -40,6 +49,25 @@ pub struct ErrorSum {
     squares: f64,
     sum: f64,
     worst: f64,
+}
+
+/// How often an interval holds what it should.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Coverage {
+    count: u64,
+    held: u64,
+}
+
+impl Coverage {
+    fn add(&mut self, holds: bool) {
+        self.count += 1;
+        self.held += u64::from(holds);
+    }
+
+    /// Share of intervals that hold it.
+    pub fn share(&self) -> Option<f64> {
+        (self.count > 0).then(|| self.held as f64 / self.count as f64)
+    }
 }
 
 impl ErrorSum {
@@ -87,10 +115,21 @@ impl WindComparison {
             return;
         }
         self.speed.add(f64::from(estimate.speed_m_s) / speed_m_s - 1.0);
+        let is_good = estimate.quality_flags.0 & !QualityFlags::UNDETERMINED.0 == 0;
+        if is_good {
+            let off_m_s = f64::from(estimate.speed_m_s) - speed_m_s;
+            self.speed_coverage.add(off_m_s.abs() <= ONE_AXIS * f64::from(estimate.speed_error_m_s));
+        }
         if estimate.quality_flags.has(QualityFlags::NO_DIRECTION) {
             self.no_direction += 1;
         } else if self.plane.is_some() || !estimate.quality_flags.has(QualityFlags::UNDETERMINED) {
-            self.direction_deg.add(angle_deg(estimate.wind_m_s.map(f64::from), truth_m_s));
+            let off_deg = angle_deg(estimate.wind_m_s.map(f64::from), truth_m_s);
+            self.direction_deg.add(off_deg);
+            if is_good {
+                let interval = if self.plane.is_some() { ONE_AXIS } else { TWO_AXES };
+                let interval_rad = interval * f64::from(estimate.direction_error_rad);
+                self.direction_coverage.add(off_deg.to_radians() <= interval_rad);
+            }
         }
         if axes.len() > 3 && self.plane.is_none() {
             self.linear_deg.add(angle_deg(linear(estimate, axes), truth_m_s));
@@ -137,6 +176,35 @@ pub(super) mod tests {
         errors.add(&other, &[], [2.0, 0.0, 5.0]);
         assert!(errors.speed.rms().unwrap() < 1e-9);
         assert!((errors.direction_deg.rms().unwrap() - 90.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn intervals_hold_what_they_should_of_estimates_without_a_flag() {
+        let mut errors = WindComparison::default();
+        assert_eq!(errors.speed_coverage.share(), None);
+        let stated = |wind_m_s, quality_flags| WindSample {
+            speed_error_m_s: 0.1,
+            direction_error_rad: 0.1,
+            quality_flags,
+            ..estimate(wind_m_s)
+        };
+        let good = QualityFlags::default();
+        errors.add(&stated([0.0, 2.19, 0.0], good), &[], [0.0, 2.0, 0.0]);
+        errors.add(&stated([0.0, 2.21, 0.0], good), &[], [0.0, 2.0, 0.0]);
+        errors.add(&stated([0.0, 9.0, 0.0], QualityFlags::INCONSISTENT), &[], [0.0, 2.0, 0.0]);
+        assert_eq!((errors.speed_coverage.share(), errors.direction_coverage.share()), (Some(0.5), Some(1.0)));
+        // About two axes 0.1 rad are 0.245, in a plane 0.196.
+        let turned = |angle: f64| [2.0 * angle.cos(), 2.0 * angle.sin(), 0.0];
+        for (angle, normal, holds) in [
+            (0.24, None, 1.0),
+            (0.25, None, 0.0),
+            (0.19, Some([0.0, 0.0, 1.0]), 1.0),
+            (0.2, Some([0.0, 0.0, 1.0]), 0.0),
+        ] {
+            let mut errors = WindComparison::in_plane(normal);
+            errors.add(&stated([2.0, 0.0, 0.0], good), &[], turned(angle));
+            assert_eq!(errors.direction_coverage.share(), Some(holds), "{angle}");
+        }
     }
 
     #[test]

@@ -83,6 +83,8 @@ impl Serialize for WindReport {
         map.serialize_entry("speed_worst_error", &errors.speed.worst())?;
         map.serialize_entry("direction_rms_error_deg", &errors.direction_deg.rms())?;
         map.serialize_entry("direction_worst_error_deg", &errors.direction_deg.worst())?;
+        map.serialize_entry("speed_coverage", &errors.speed_coverage.share())?;
+        map.serialize_entry("direction_coverage", &errors.direction_coverage.share())?;
         map.serialize_entry("linear_direction_rms_error_deg", &errors.linear_deg.rms())?;
         map.end()
     }
@@ -139,7 +141,7 @@ impl WindReport {
             number => writeln!(f, "{number} of them count: {}", which.join(", "))?,
         }
         if let Some(error) = self.counted.speed_standard_error {
-            write!(f, "standard error by the noise of the readings, median: speed {:.2} %", 100.0 * error)?;
+            write!(f, "standard uncertainty, median: speed {:.2} %", 100.0 * error)?;
             if let Some(error_deg) = self.counted.direction_standard_error_deg {
                 write!(f, ", direction {error_deg:.2}°")?;
             }
@@ -198,6 +200,15 @@ fn compared(f: &mut fmt::Formatter<'_>, errors: &WindComparison, in_plane: bool)
         }
         writeln!(f)?;
     }
+    let percent = |name: &str, share: f64| format!("{name} {:.1} %", 100.0 * share);
+    let [direction, speed] = [errors.direction_coverage, errors.speed_coverage].map(|of| of.share());
+    let held: Vec<String> = [("direction", direction), ("speed", speed)]
+        .into_iter()
+        .filter_map(|(name, share)| Some(percent(name, share?)))
+        .collect();
+    if !held.is_empty() {
+        writeln!(f, "  95 % intervals of estimates without a flag hold: {}", held.join(", "))?;
+    }
     Ok(())
 }
 
@@ -224,7 +235,8 @@ mod tests {
         errors.add(&estimate, &[[0.0, 1.0, 0.0]; 2], [0.0, 2.0, 0.0]);
         assert_eq!(
             text(&errors),
-            "\ncompared with the true wind, 1 estimate\n  speed      10.00 % rms, 10.00 % mean, 10.00 % at worst\n"
+            "\ncompared with the true wind, 1 estimate\n  speed      10.00 % rms, 10.00 % mean, 10.00 % at worst\n  95 % \
+             intervals of estimates without a flag hold: speed 0.0 %\n"
         );
         let mut failed = WindComparison::default();
         estimate.quality_flags = dr_core::wind::QualityFlags::FAILED;

@@ -9,7 +9,7 @@ use std::string::{String, ToString};
 use std::vec::Vec;
 
 /// In the order of their declaration, which is the one on the wire.
-const ALL: [Parameter; 71] = [
+const ALL: [Parameter; 72] = [
     Parameter::Resistance0cOhm,
     Parameter::CoefficientPerC,
     Parameter::VoltPerCode,
@@ -81,6 +81,7 @@ const ALL: [Parameter; 71] = [
     Parameter::StuckLimitTicks,
     Parameter::SustainedPowerW,
     Parameter::EnergyJ,
+    Parameter::CalibrationUncertainty,
 ];
 
 /// The words of a variant, as they would be written in a file: `current_low_a` for `CurrentLowA`.

@@ -40,13 +40,14 @@ use crate::model::convection_observer::{
     ConvectionEstimate, ConvectionObserver, ConvectionObserverState, NO_SUCH_ELEMENT, TickInput,
 };
 use crate::room::room;
+use crate::wind::calibration_uncertainty::SpeedScale;
 use crate::wind::estimate::WindEstimate;
 use crate::wind::form::MOST_SURFACES;
 use crate::wind::gas::GasState;
 use crate::wind::gas_law::GasLaw;
 use crate::wind::quality_flags::QualityFlags;
 use crate::wind::surface_inverse::{MeasuredConductance, WindState};
-use command::{HeadSurface, WindCommand};
+use command::{HeadSurface, WindCommand, WindOutputConfig};
 use output::PreparedOutput;
 use setup::AnemometerSetup;
 
@@ -157,6 +158,7 @@ impl<const N: usize> Anemometer<N> {
             }
             WindCommand::Card(config) => self.setup.card = Some(*config),
             WindCommand::Form(form) => self.setup.form = *form,
+            WindCommand::Uncertainty(uncertainty) => self.setup.uncertainty = Some(uncertainty.checked()?),
             WindCommand::GasLaw(config) => self.setup.gas_law = Some(GasLaw::new(config)?),
             WindCommand::Output(config) => {
                 self.output = Some(self.setup.prepare::<N>(config, sample_period_s)?);
@@ -268,6 +270,11 @@ impl<const N: usize> Anemometer<N> {
         let mut wind = self.state.wind;
         if let (Some(head), Some(gas)) = (&output.head, gas) {
             report.wind = head.step(&mut wind, &gas, &measured);
+            if let (Some(uncertainty), Some(reynolds)) = (&self.setup.uncertainty, output.config.reynolds) {
+                let WindOutputConfig { diameter_m, direction_error_max_rad, .. } = output.config;
+                let scale = SpeedScale { reynolds, per_speed: gas.reynolds_per_speed(diameter_m) };
+                report.wind = uncertainty.added_to(report.wind, &measured, &scale, direction_error_max_rad);
+            }
         }
         report.quality_flags = quality_flags.with(report.wind.quality, true);
         (report, wind)

@@ -49,6 +49,7 @@
 //! ```
 
 pub mod anemometer;
+pub mod calibration_uncertainty;
 pub mod card_inverse;
 mod descent;
 mod estimate;
@@ -67,6 +68,7 @@ pub mod surface_inverse;
 
 pub use anemometer::command::{HeadSurface, WindCommand, WindOutputConfig};
 pub use anemometer::{Anemometer, WindTick};
+pub use calibration_uncertainty::CalibrationUncertainty;
 pub use card_inverse::{Card, CardConfig};
 pub use estimate::WindEstimate;
 pub use form::{BOARD_SURFACES, HeadForm, MOST_SURFACES};

@@ -7,7 +7,7 @@ use dr_core::model::{
 };
 use dr_core::sensor::{Channel, Platinum};
 use dr_core::wind::HeadForm;
-use dr_core::wind::{CardConfig, GasLawConfig, HeadSurface, SurfaceConfig, WindOutputConfig};
+use dr_core::wind::{CalibrationUncertainty, CardConfig, GasLawConfig, HeadSurface, SurfaceConfig, WindOutputConfig};
 
 extern crate std;
 use std::vec::Vec;
@@ -84,6 +84,12 @@ fn one_of_each() -> Vec<Setting> {
         Command::Wind(WindCommand::GasLaw(gas_law)),
         Command::Wind(WindCommand::Output(answer)),
         Command::Wind(WindCommand::Gas { pressure_pa: 700.0, temperature_c: Some(-53.0) }),
+        Command::Wind(WindCommand::Uncertainty(CalibrationUncertainty {
+            conductance_share: [0.5; 4],
+            speed_share: [0.25; 4],
+            direction_rad: [0.125; 4],
+            chi_square_most: 8.0,
+        })),
     ];
     let name = Name::try_from("a name that has all 32 characters").unwrap_or_default();
     let own = [Setting::Name(name), Setting::TelemetryEvery(10)];

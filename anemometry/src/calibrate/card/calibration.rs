@@ -5,7 +5,7 @@ use std::fmt;
 use dr_core::wind::card_inverse::{Card, DICE, anisotropy};
 use dr_core::wind::{MeasuredConductance, QualityFlags};
 
-use super::super::compared::ComparedWind;
+use super::super::compared::{ComparedWind, StatedError};
 use super::super::error::CalibrateError;
 use super::super::steady_wind::SteadyWind;
 use super::drawn::DrawnCard;
@@ -66,10 +66,13 @@ impl CardCalibration {
         {
             return Ok(None);
         }
+        let reynolds = speed_m_s * self.drawn.reynolds_per_speed(steady);
+        let is_extrapolated = !(self.curves.least_reynolds..=self.curves.most_reynolds).contains(&reynolds);
         Ok(Some(ComparedWind {
-            reynolds: speed_m_s * self.drawn.reynolds_per_speed(steady),
+            reynolds,
             direction_deg: Some(angle_deg(estimate.wind_m_s.map(f64::from), steady.wind_m_s)),
             speed: f64::from(estimate.speed_m_s) / speed_m_s - 1.0,
+            stated: StatedError::of(&estimate, &measured, is_extrapolated),
         }))
     }
 }

@@ -8,7 +8,7 @@
 
 use dr_core::wind::{HeadForm, MeasuredConductance, QualityFlags, SurfaceConfig, WindEstimate, WindState, WindVector};
 
-use super::super::compared::ComparedWind;
+use super::super::compared::{ComparedWind, StatedError};
 use super::super::cross_validation::{CrossValidation, Scheme};
 use super::super::error::CalibrateError;
 use super::super::steady_wind::SteadyWind;
@@ -47,17 +47,21 @@ pub fn cross_validate(
 /// # Errors
 /// If the calibration makes no head.
 pub fn compare(calibration: &SurfaceCalibration, steady: &SteadyWind) -> Result<Option<ComparedWind>, CalibrateError> {
-    let estimate = estimate(calibration, steady)?;
+    let (estimate, measured) = estimate(calibration, steady)?;
     let wind_m_s = seen(calibration, steady.wind_m_s);
     let speed_m_s = length(wind_m_s);
     if estimate.quality.has(QualityFlags::FAILED) || speed_m_s == 0.0 {
         return Ok(None);
     }
     let gas = steady.core_gas()?;
+    let reynolds = speed_m_s * f64::from(gas.reynolds_per_speed(calibration.diameter_m as f32));
+    let curves = &calibration.curves;
+    let is_extrapolated = !(curves.least_reynolds..=curves.most_reynolds).contains(&reynolds);
     Ok(Some(ComparedWind {
-        reynolds: speed_m_s * f64::from(gas.reynolds_per_speed(calibration.diameter_m as f32)),
+        reynolds,
         direction_deg: direction_deg(calibration, &estimate, wind_m_s),
         speed: f64::from(estimate.speed_m_s) / speed_m_s - 1.0,
+        stated: StatedError::of(&estimate, &measured, is_extrapolated),
     }))
 }
 
@@ -71,14 +75,18 @@ fn seen(calibration: &SurfaceCalibration, wind_m_s: [f64; 3]) -> [f64; 3] {
     }
 }
 
-/// What the board makes of a reading.
-fn estimate(calibration: &SurfaceCalibration, steady: &SteadyWind) -> Result<WindEstimate, CalibrateError> {
+/// What the board makes of a reading, and the conductances from which it does.
+fn estimate(
+    calibration: &SurfaceCalibration,
+    steady: &SteadyWind,
+) -> Result<(WindEstimate, Vec<Option<MeasuredConductance>>), CalibrateError> {
     let surfaces: Vec<SurfaceConfig> = calibration.surfaces.iter().map(|of| of.config).collect();
     let (curves, diameter_m) = (calibration.curves.config(), calibration.diameter_m as f32);
     let head = WindVector::new(calibration.form, &curves, &surfaces, diameter_m, DIRECTION_ERROR_MAX_RAD)?;
     let measured: Vec<Option<MeasuredConductance>> =
         steady.surfaces.iter().enumerate().map(|(i, reading)| Some(calibration.measured(i, reading))).collect();
-    Ok(head.step(&mut WindState::default(), &steady.core_gas()?, &measured))
+    let estimate = head.step(&mut WindState::default(), &steady.core_gas()?, &measured);
+    Ok((estimate, measured))
 }
 
 fn direction_deg(calibration: &SurfaceCalibration, estimate: &WindEstimate, wind_m_s: [f64; 3]) -> Option<f64> {

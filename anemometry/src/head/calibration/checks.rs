@@ -169,7 +169,10 @@ impl Calibration {
     }
 
     fn check_curves(&self, keys: CalibrationKeys<'_>) -> Result<(), FileError> {
-        let CalibrationTable { nusselt, card, .. } = &self.table;
+        let CalibrationTable { nusselt, card, uncertainty, .. } = &self.table;
+        if let Some(Err(error)) = uncertainty.as_ref().map(|of| of.config().checked()) {
+            return Err(keys.refuse("calibration.uncertainty", format!("cannot be used: {error}")));
+        }
         if card.is_some() && (nusselt.is_some() || self.surfaces.len() != DICE) {
             let sentence = "belongs to four dice on a card, which have no [calibration.nusselt]";
             return Err(keys.refuse("calibration.card", sentence));

@@ -56,6 +56,7 @@ impl Calibration {
             };
             commands.push(WindCommand::Surface { surface: part, config });
         }
+        commands.extend(self.table.uncertainty.as_ref().map(|of| WindCommand::Uncertainty(of.config())));
         let reference_c = self.table.reference_gas_c;
         let least_c = (reference_c - GAS_RANGE_K).max(*GAS_C.start());
         let most_c = (reference_c + GAS_RANGE_K).min(*GAS_C.end());

@@ -7,6 +7,7 @@
 //! | `[calibration]` | `made_from` (in words), `species`, `reference_gas_c` (gas of the quiescent-gas network), `support_c` (its support, if known), `diameter_m`, `direction_error_max_deg`, optionally `reference` (the element that measures the gas) |
 //! | `[calibration.nusselt]` | `least_reynolds`, `most_reynolds`, `amplitudes` (32 rows of a_0 … a_5); without it the head outputs conductances only |
 //! | `[calibration.card]` | in its place for four dice on a card: `least_reynolds`, `most_reynolds`, `mean` and `difference` (12 values over √Re from 0), `along`, `around`, `seen` (8 harmonics each), `mean_share`, `difference_share`; see [`dr_core::wind::card_inverse`] |
+//! | `[calibration.uncertainty]` | what the calibration adds to the uncertainty of the wind: `conductance_share`, `speed_share`, `direction_deg` (4 each, at Reynolds numbers in geometric progression), `chi_square_most`; without it only the noise counts; see [`dr_core::wind::calibration_uncertainty`] |
 //! | `[[calibration.surfaces]]` | `element`, `axis` and `corner` in the tunnel's frame, `area_m2`, `means`, `threefold`, `gain`, `quiescent_w_k` |
 //! | `[[calibration.self_heating]]` | `element`, `rest_c`, `noise_k` (low and high level), `mesh_rad_s`, `r_k_per_w`, `surface` (m_k, for an element that the wind cools) |
 //! | `[[calibration.cross_heating]]` | `from`, `to`, `mesh_rad_s`, `r_k_per_w`, `surface` |

@@ -1,7 +1,8 @@
 //! The tables of a calibration as they stand in a head file, read and written: every key, before
 //! anything is checked.
 
-use dr_core::wind::card_inverse::{KNOTS, TERMS};
+use dr_core::wind::calibration_uncertainty::{CalibrationUncertainty, KNOTS};
+use dr_core::wind::card_inverse::{KNOTS as CARD_KNOTS, TERMS};
 use dr_core::wind::nusselt::{ORDERS, POINTS};
 use dr_core::wind::{CardConfig, HeadForm, NusseltConfig, SurfaceConfig};
 use serde::{Deserialize, Serialize};
@@ -38,6 +39,9 @@ pub struct CalibrationTable {
     /// The same of a card.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub card: Option<CardTable>,
+    /// What it adds to the uncertainty of the wind.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<UncertaintyTable>,
     /// Surfaces, in the head's order.
     #[serde(default, alias = "parts")]
     pub surfaces: Vec<SurfaceTable>,
@@ -66,6 +70,21 @@ pub struct NusseltTable {
     pub amplitudes: [[f64; ORDERS]; POINTS],
 }
 
+/// `[calibration.uncertainty]`
+#[derive(Deserialize, Serialize, Clone, Debug, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct UncertaintyTable {
+    /// Misfit of a conductance, as its share, at Reynolds numbers in geometric progression over the
+    /// calibration's.
+    pub conductance_share: [f64; KNOTS],
+    /// Standard uncertainty of the speed, as its share.
+    pub speed_share: [f64; KNOTS],
+    /// Standard uncertainty of the direction about one axis across it, °.
+    pub direction_deg: [f64; KNOTS],
+    /// Greatest χ² that the calibration explains.
+    pub chi_square_most: f64,
+}
+
 /// `[calibration.card]`: the curves of a card, as dr-core's `CardConfig` has them.
 #[derive(Deserialize, Serialize, Clone, Debug, PartialEq)]
 #[serde(deny_unknown_fields)]
@@ -75,9 +94,9 @@ pub struct CardTable {
     /// Greatest Reynolds number of the winds.
     pub most_reynolds: f64,
     /// At values of √Re evenly from zero to that of the greatest Reynolds number.
-    pub mean: [f64; KNOTS],
+    pub mean: [f64; CARD_KNOTS],
     /// D, at the same values.
-    pub difference: [f64; KNOTS],
+    pub difference: [f64; CARD_KNOTS],
     /// Of cos nθ in P.
     pub along: [f64; TERMS],
     /// Of sin nθ in Q.
@@ -120,6 +139,18 @@ impl NusseltTable {
             least_reynolds: self.least_reynolds as f32,
             most_reynolds: self.most_reynolds as f32,
             amplitudes: self.amplitudes.map(|row| row.map(|a| a as f32)),
+        }
+    }
+}
+
+impl UncertaintyTable {
+    /// As the board takes it.
+    pub fn config(&self) -> CalibrationUncertainty {
+        CalibrationUncertainty {
+            conductance_share: self.conductance_share.map(|share| share as f32),
+            speed_share: self.speed_share.map(|share| share as f32),
+            direction_rad: self.direction_deg.map(|degrees| degrees.to_radians() as f32),
+            chi_square_most: self.chi_square_most as f32,
         }
     }
 }

@@ -3,6 +3,7 @@
 use crate::model::convection_observer::config::{
     FasterGainsConfig, NetworkCrossHeatingConfig, NetworkSelfHeatingConfig,
 };
+use crate::wind::calibration_uncertainty::CalibrationUncertainty;
 use crate::wind::card_inverse::CardConfig;
 use crate::wind::form::HeadForm;
 use crate::wind::gas_law::GasLawConfig;
@@ -92,4 +93,6 @@ pub enum WindCommand {
     Card(CardConfig),
     /// What the surfaces belong to; without it they are parts of a sphere.
     Form(HeadForm),
+    /// What the calibration adds to the uncertainty of the wind; without it nothing.
+    Uncertainty(CalibrationUncertainty),
 }

@@ -5,6 +5,7 @@ use super::head_inverse::HeadInverse;
 use super::output::{PreparedOutput, READING_TIMEOUT_S, REFERENCE_TIMEOUT_S, SATURATED_S, STARTING};
 use crate::error::{self, ConfigError, Parameter, ParameterProblem};
 use crate::model::mesh;
+use crate::wind::calibration_uncertainty::CalibrationUncertainty;
 use crate::wind::card_inverse::{Card, CardConfig, DICE};
 use crate::wind::form::{HeadForm, MOST_SURFACES};
 use crate::wind::gas_law::GasLaw;
@@ -22,6 +23,7 @@ pub struct AnemometerSetup {
     /// on.
     pub card: Option<CardConfig>,
     pub form: HeadForm,
+    pub uncertainty: Option<CalibrationUncertainty>,
     surfaces: [Option<HeadSurface>; MOST_SURFACES],
     pub gas_law: Option<GasLaw>,
 }
