@@ -13,6 +13,7 @@
 //! | `config`, `error` | what a sensor is made from, and why it cannot be made |
 //! | [`wind`] | held entries, and turbulence, gusts, sines and dust devils on top of them |
 //! | `temperature_swing` | a gas or a support whose temperature swings |
+//! | [`field`] | sun, sky, drifts, film properties, buoyancy, stem |
 //! | `front_end` | currents, resistors, converter, faults |
 //!
 //! [`Sensor`] puts them together. One tick: the controller decides the heater bits,
@@ -39,6 +40,7 @@ mod config;
 mod construction;
 pub mod convection;
 mod error;
+pub mod field;
 mod front_end;
 mod matching;
 mod network;
