@@ -8,7 +8,7 @@ use dr_core::sensor::Level;
 use serde::Deserialize;
 
 use super::sweep::SweepTable;
-use crate::sensor::field::{Buoyancy, Drift, GasProperties, Sky, Stem, Sun, SurfaceHeat};
+use crate::sensor::field::{Buoyancy, ElementDrift, GasProperties, Sky, Stem, Sun, SurfaceHeat};
 use crate::sensor::{DirectionSwing, DustDevil, Gust, Imperfections, ResistorFault, Sine, TemperatureSwing};
 use anemometry::gas::Species;
 
@@ -49,7 +49,7 @@ pub(super) struct ExperimentTable {
     pub sun: Option<Sun>,
     pub sky: Option<Sky>,
     #[serde(default)]
-    pub drifts: Vec<Drift>,
+    pub drifts: Vec<ElementDrift>,
     pub buoyancy: Option<Buoyancy>,
     pub stem: Option<Stem>,
 }

@@ -8,13 +8,13 @@
 use std::ops::Range;
 
 use super::convection::BodyConvection;
+use super::cooled_stem::CooledStem;
 use super::field::LocalWind;
 use super::network::{BoundaryId, RadiatorId, ThermalNetwork};
 use anemometry::gas::{IdealGas, TEMPERATURE_RANGE_K, ZERO_CELSIUS_K};
+use anemometry::vector::length;
 
 mod effects;
-
-use effects::CooledStem;
 
 /// Stefan–Boltzmann constant, W/(m²·K⁴).
 pub const STEFAN_BOLTZMANN: f64 = 5.670_374_419e-8;
@@ -169,8 +169,11 @@ impl ThermalBody {
     /// The gas's temperature from now on, at the same pressure; the next [`ThermalBody::set_wind`]
     /// makes conductances of it. The surroundings to which surfaces radiate stay as they were.
     pub fn set_gas_temperature_k(&mut self, temperature_k: f64) {
-        for link in self.gas_links.iter().chain(self.cooled_stem.iter().flat_map(CooledStem::links)) {
+        for link in &self.gas_links {
             self.network.boundary_mut(*link).temperature_k = temperature_k;
+        }
+        if let Some(stem) = &self.cooled_stem {
+            stem.set_gas_k(&mut self.network, temperature_k);
         }
         if (temperature_k - self.gas.temperature_k).abs() > SAME_PROPERTIES_K {
             self.gas = self.gas.at(temperature_k);
@@ -212,7 +215,10 @@ impl ThermalBody {
             let rate_per_s = *conductance / self.network.capacity_j_k(surface.node);
             self.convection_rate_per_s = self.convection_rate_per_s.max(rate_per_s);
         }
-        self.convection_rate_per_s = self.convection_rate_per_s.max(self.cool_stem_ends());
+        if let Some(stem) = &self.cooled_stem {
+            let rate_per_s = stem.set_speed(&mut self.network, length(self.wind_m_s));
+            self.convection_rate_per_s = self.convection_rate_per_s.max(rate_per_s);
+        }
     }
 
     /// Conductances of the gaps, at the temperatures between their ends.
@@ -273,6 +279,11 @@ impl ThermalBody {
     /// Heat that has left to the support, J.
     fn support_j(&self) -> f64 {
         self.parts.supports.iter().map(|&support| self.network.boundary_heat_j(support)).sum()
+    }
+
+    /// Heat that has left from stems to the gas, J.
+    fn stem_j(&self) -> f64 {
+        self.cooled_stem.as_ref().map_or(0.0, |stem| stem.heat_j(&self.network))
     }
 
     /// Sets the steady state of the present wind under the powers of `power_w`, which may depend on

@@ -8,6 +8,7 @@
 //! | `assembly`, `rod` | a network of it |
 //! | `specimen` | one of many, where the file states tolerances |
 //! | `body` | what all of them do: take heat, lose it and account for it |
+//! | `cooled_stem` | stems from which the wind takes heat |
 //! | `survey` | steady powers, gains and time constants, without letting time pass |
 //! | `matching` | whether a head is the sensor that it names |
 //! | `config`, `error` | what a sensor is made from, and why it cannot be made |
@@ -39,6 +40,7 @@ mod body;
 mod config;
 mod construction;
 pub mod convection;
+mod cooled_stem;
 mod error;
 pub mod field;
 mod front_end;

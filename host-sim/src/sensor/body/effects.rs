@@ -1,22 +1,8 @@
 //! A body in the field: sunlight on it, drifts of its surfaces, another sky, a stem in the wind.
 
 use super::{STEFAN_BOLTZMANN, ThermalBody};
+use crate::sensor::cooled_stem::CooledStem;
 use crate::sensor::field::{LocalWind, Stem};
-use crate::sensor::network::BoundaryId;
-use anemometry::vector::length;
-
-/// The ends of stems that the wind cools: their way to the gas, and their nodes.
-#[derive(Clone, Debug)]
-pub(super) struct CooledStem {
-    of: Stem,
-    ends: Vec<(BoundaryId, usize)>,
-}
-
-impl CooledStem {
-    pub fn links(&self) -> impl Iterator<Item = &BoundaryId> {
-        self.ends.iter().map(|(link, _)| link)
-    }
-}
 
 impl ThermalBody {
     /// Whether a sphere is among its shapes.
@@ -104,29 +90,7 @@ impl ThermalBody {
 
     /// Lets the wind cool the rods that lead to the support; whether there are any.
     pub fn cool_stem(&mut self, of: Stem) -> bool {
-        let (network, gas_k) = (&mut self.network, self.gas.temperature_k);
-        let ends = &self.parts.stem_ends;
-        let ends: Vec<_> = ends.iter().map(|&node| (network.link_to_fixed(node, 0.0, gas_k), node)).collect();
-        let any = !ends.is_empty();
-        self.cooled_stem = any.then_some(CooledStem { of, ends });
-        any
-    }
-
-    /// Conductance of the stems to the gas in the wind; returns what it adds to a rate, 1/s.
-    pub(super) fn cool_stem_ends(&mut self) -> f64 {
-        let Some(CooledStem { of, ends }) = &self.cooled_stem else { return 0.0 };
-        let conductance_w_k = of.loss_w_k(length(self.wind_m_s)) / ends.len() as f64;
-        let mut rate_per_s = 0.0_f64;
-        for &(link, node) in ends {
-            self.network.boundary_mut(link).conductance_w_k = conductance_w_k;
-            rate_per_s = rate_per_s.max(conductance_w_k / self.network.capacity_j_k(node));
-        }
-        rate_per_s
-    }
-
-    /// Heat that has left from stems to the gas, J.
-    pub(super) fn stem_j(&self) -> f64 {
-        let links = self.cooled_stem.iter().flat_map(CooledStem::links);
-        links.map(|&link| self.network.boundary_heat_j(link)).sum()
+        self.cooled_stem = CooledStem::new(of, &mut self.network, &self.parts.stem_ends, self.gas.temperature_k);
+        self.cooled_stem.is_some()
     }
 }

@@ -1,7 +1,7 @@
 //! Effects of the field on one body: checked, joined to its surfaces and elements, applied at the
 //! start of every sample period.
 
-use super::{Drift, DriftQuantity, FieldEffects, GasProperties, LocalWind, Sun, SurfaceHeat};
+use super::{DriftQuantity, ElementDrift, FieldEffects, GasProperties, LocalWind, Sun, SurfaceHeat};
 use crate::sensor::body::ThermalBody;
 use crate::sensor::construction::Construction;
 use crate::sensor::error::{SensorError, require};
@@ -14,7 +14,7 @@ use recording::text::suggest;
 pub struct AppliedField {
     heat: Vec<(usize, SurfaceHeat)>,
     sun: Option<Sun>,
-    drifts: Vec<(Drift, DriftTarget)>,
+    drifts: Vec<(ElementDrift, DriftTarget)>,
     absorbed_w: Vec<f64>,
 }
 
@@ -122,7 +122,7 @@ impl AppliedField {
 
 /// What a drift changes; an element's surface is the one that it heats.
 fn target(
-    drift: &Drift,
+    drift: &ElementDrift,
     key: &str,
     construction: &Construction,
     body: &ThermalBody,

@@ -42,7 +42,7 @@ pub enum DriftQuantity {
 /// A relative change of a quantity of an element.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Drift {
+pub struct ElementDrift {
     /// Name of the element.
     pub element: String,
     /// What drifts.
@@ -56,7 +56,7 @@ pub struct Drift {
     pub until_s: Option<f64>,
 }
 
-impl Drift {
+impl ElementDrift {
     pub(super) fn check(&self, key: &str) -> Result<(), SensorError> {
         let Self { change, start_s, until_s, .. } = *self;
         let change_is = change.is_finite() && change > -1.0;
@@ -86,8 +86,8 @@ mod tests {
     #[test]
     fn a_drift_is_a_step_or_a_ramp() {
         let quantity = DriftQuantity::Gain;
-        let step = Drift { element: "sector1".into(), quantity, change: -0.05, start_s: 10.0, until_s: None };
-        let ramp = Drift { until_s: Some(30.0), ..step.clone() };
+        let step = ElementDrift { element: "sector1".into(), quantity, change: -0.05, start_s: 10.0, until_s: None };
+        let ramp = ElementDrift { until_s: Some(30.0), ..step.clone() };
         for (time_s, stepped, grown) in [
             (0.0, 1.0, 1.0),
             (9.99, 1.0, 1.0),

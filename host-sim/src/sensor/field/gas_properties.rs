@@ -6,7 +6,7 @@
 //! ```
 //!
 //! with surface i at T_i, gas at T_g in K, and density, viscosity, conductivity and heat capacity
-//! of each surface's own T_f,i, at the gas's pressure. Source: the film temperature of Incropera and
+//! of each surface's own T_f,i, at the gas's pressure. Source: film temperature, Incropera and
 //! DeWitt, Fundamentals of Heat and Mass Transfer, ch. 6.
 //!
 //! Limits: each surface sees a stream of its own properties, though all share one layer. What is

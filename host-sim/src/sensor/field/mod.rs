@@ -23,7 +23,7 @@ mod sun;
 
 pub(super) use applied::AppliedField;
 pub use buoyancy::{Buoyancy, BuoyancyModel};
-pub use drift::{Drift, DriftQuantity};
+pub use drift::{DriftQuantity, ElementDrift};
 pub use gas_properties::GasProperties;
 pub(super) use local_wind::LocalWind;
 pub use sky::Sky;
@@ -41,7 +41,7 @@ pub struct FieldEffects {
     /// What surfaces radiate to; without it, surroundings of the gas's mean temperature.
     pub sky: Option<Sky>,
     /// What ages.
-    pub drifts: Vec<Drift>,
+    pub drifts: Vec<ElementDrift>,
     /// At which temperature convection takes the properties of the gas.
     pub gas_properties: GasProperties,
     /// Mixed convection.

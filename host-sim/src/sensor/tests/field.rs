@@ -3,7 +3,8 @@
 use super::*;
 use crate::sensor::body::STEFAN_BOLTZMANN;
 use crate::sensor::field::{
-    Buoyancy, BuoyancyModel, Drift, DriftQuantity, FieldEffects, GasProperties, Sky, Stem, StemWake, Sun, SurfaceHeat,
+    Buoyancy, BuoyancyModel, DriftQuantity, ElementDrift, FieldEffects, GasProperties, Sky, Stem, StemWake, Sun,
+    SurfaceHeat,
 };
 use anemometry::gas::ZERO_CELSIUS_K;
 use std::f64::consts::PI;
@@ -37,7 +38,7 @@ fn with(speed_m_s: f64, field: FieldEffects) -> SensorConfig {
 }
 
 fn drift(element: &str, quantity: DriftQuantity, change: f64) -> FieldEffects {
-    let drift = Drift { element: element.into(), quantity, change, start_s: 0.0, until_s: None };
+    let drift = ElementDrift { element: element.into(), quantity, change, start_s: 0.0, until_s: None };
     FieldEffects { drifts: vec![drift], ..FieldEffects::default() }
 }
 
@@ -53,7 +54,7 @@ fn all() -> FieldEffects {
         ("sector3", DriftQuantity::Contact, -0.2),
         ("sector4", DriftQuantity::Emissivity, 3.0),
     ];
-    let drift = |(element, quantity, change): (&str, DriftQuantity, f64)| Drift {
+    let drift = |(element, quantity, change): (&str, DriftQuantity, f64)| ElementDrift {
         element: element.into(),
         quantity,
         change,
@@ -162,8 +163,8 @@ fn drifts_change_what_they_name_and_nothing_else() {
         assert!((with / without - expected).abs() < 1e-12, "sector {i}");
     }
 
-    // Half the contact doubles how far a chip stands above its silver; being 0.8 mK warmer, it takes
-    // 2.5e-6 more power.
+    // Half the contact doubles how far a chip stands above its silver; being 0.8 mK warmer, it
+    // takes 2.5e-6 more power.
     let contact = sensor(3.0, drift("sector3", DriftQuantity::Contact, -0.5));
     let above = |of: &Sensor| of.body.element_temperature_c(2) - of.body.surface_temperature_c(2);
     assert!((above(&contact) / above(&plain) - 2.0).abs() < 1e-5, "{}", above(&contact) / above(&plain));
