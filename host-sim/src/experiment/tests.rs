@@ -492,7 +492,7 @@ fn effects_that_cannot_be_are_refused_with_their_line() {
             "[stem.wake]\nangle_deg = 120.0\nfactor = 0.8\n",
             "line 8: `stem.wake.angle_deg` is 120: it must be more than 0",
         ),
-        ("[sky]\ncolour = 1\n", "unknown field `colour`"),
+        ("[sky]\ncolour = 1\n", "line 8: unknown key `colour`; known are `temperature_c`, `emissivity`"),
     ] {
         let sentence = refused("[gas]\n", &format!("{table}\n[gas]\n"));
         assert!(sentence.contains(expected), "{sentence}");
