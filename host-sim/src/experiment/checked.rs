@@ -7,6 +7,7 @@ use dr_core::wind::{Anemometer, WindCommand};
 use super::drives::{DriveChange, GasRange};
 use super::grid;
 use super::models::Models;
+use crate::sensor::field::FieldEffects;
 use crate::sensor::{
     Construction, Imperfections, Sensor, SensorConfig, SensorError, TemperatureSwing, TimedFault, WindEntry,
 };
@@ -66,6 +67,8 @@ pub struct Experiment {
     pub wind: Vec<WindEntry>,
     /// Resistors that break.
     pub faults: Vec<TimedFault>,
+    /// Effects of the field on a simulated sensor.
+    pub field: FieldEffects,
 }
 
 impl Experiment {
@@ -180,6 +183,7 @@ impl Experiment {
             imperfections: self.imperfections,
             wind: self.wind.clone(),
             faults: self.faults.clone(),
+            field: self.field.clone(),
         })
     }
 

@@ -13,6 +13,7 @@
 //! | `[[wind]]` | `start_s`, `speed_m_s`, and optionally `label`, `azimuth_deg`, `elevation_deg`, and what blows on top of the mean (below) |
 //! | `[tunnel]` | in place of `[[wind]]`, the runs of a car ([`wind`]): `track_m`, `speeds_m_min`, `pause_s`, and optionally `first_pause_s`, `order_seed`, `azimuth_deg`, `elevation_deg` |
 //! | `[sweep]` | in place of `[[wind]]`, many winds of all directions ([`sweep`]): `winds`, `least_m_s`, `most_m_s`, `hold_s`, and optionally `still_s`, `stem_cone_deg`, `plane`, `seed` |
+//! | `gas.properties`, `[sun]`, `[[surface_heat]]`, `[sky]`, `[[drifts]]`, `[buoyancy]`, `[stem]` | effects of the field on a simulated sensor ([`crate::sensor::field`]) |
 //! | `[[faults]]` | `start_s`, `element`, `kind` ("open" or "shorted"): a simulated resistor that breaks |
 //!
 //! A drive is `"passive"`, `{ level = "high" }`, `{ power_w = … }`, `{ temperature_c = … }`,

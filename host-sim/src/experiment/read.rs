@@ -8,6 +8,7 @@ use super::grid::TickGrid;
 use super::models::Models;
 use super::table::{AnswerTable, ExperimentTable, FaultTable, WindOutputTable};
 use super::{held, sweep, wind};
+use crate::sensor::field::FieldEffects;
 use crate::sensor::{TimedFault, construction_of};
 use anemometry::gas::Species;
 use anemometry::head::{Head, WindOutput};
@@ -88,6 +89,15 @@ impl Experiment {
                     return Err(source.refuse("tunnel", sentence));
                 }
                 (None, None, tables) => held::entries(&grid, tables)?,
+            },
+            field: FieldEffects {
+                surface_heat: table.surface_heat,
+                sun: table.sun,
+                sky: table.sky,
+                drifts: table.drifts,
+                gas_properties: table.gas.properties,
+                buoyancy: table.buoyancy,
+                stem: table.stem,
             },
             faults: faults(&grid, &table.faults, &head)?,
             title: table.title,

@@ -69,6 +69,9 @@ pub fn scenario(experiment: &Experiment, model: &Model) -> Result<(Scenario, Vec
         }
     }
     notes.extend(another_gas);
+    if let [first, ..] = experiment.field.keys()[..] {
+        notes.push(format!("effects of the field are left out, such as `{first}`: a model is of one surrounding"));
+    }
     if let Some(fault) = experiment.faults.first() {
         notes.push(format!("faults are left out: {} breaks at {} s", names[fault.element], fault.start_s));
     }

@@ -8,6 +8,7 @@ use dr_core::sensor::Level;
 use serde::Deserialize;
 
 use super::sweep::SweepTable;
+use crate::sensor::field::{Buoyancy, ElementDrift, GasProperties, Sky, Stem, Sun, SurfaceHeat};
 use crate::sensor::{DirectionSwing, DustDevil, Gust, Imperfections, ResistorFault, Sine, TemperatureSwing};
 use anemometry::gas::Species;
 
@@ -43,6 +44,14 @@ pub(super) struct ExperimentTable {
     pub sweep: Option<SweepTable>,
     #[serde(default)]
     pub faults: Vec<FaultTable>,
+    #[serde(default)]
+    pub surface_heat: Vec<SurfaceHeat>,
+    pub sun: Option<Sun>,
+    pub sky: Option<Sky>,
+    #[serde(default)]
+    pub drifts: Vec<ElementDrift>,
+    pub buoyancy: Option<Buoyancy>,
+    pub stem: Option<Stem>,
 }
 
 #[derive(Deserialize, Default)]
@@ -76,6 +85,8 @@ pub(super) struct GasTable {
     pub species: Species,
     pub pressure_pa: f64,
     pub temperature_c: f64,
+    #[serde(default)]
+    pub properties: GasProperties,
     pub swing: Option<TemperatureSwing>,
 }
 

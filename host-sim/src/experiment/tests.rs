@@ -461,3 +461,40 @@ fn the_wind_output_is_read_by_its_name_and_by_the_older_one() {
         assert!(sentence.contains(expected) && sentence.contains("winds.toml, line "), "{sentence}");
     }
 }
+
+#[test]
+fn every_effect_of_the_field_has_an_experiment_that_switches_it_on() {
+    for (name, keys) in [
+        ("support-swing", &[][..]),
+        ("sun", &["sun"]),
+        ("surface-heat", &["surface_heat"]),
+        ("sky", &["sky"]),
+        ("drifts", &["drifts"]),
+        ("film", &["gas.properties"]),
+        ("buoyancy", &["buoyancy"]),
+        ("stem", &["stem"]),
+    ] {
+        let experiment = Experiment::read(&path(&format!("field/{name}.toml"))).unwrap();
+        assert_eq!(experiment.field.keys(), keys, "{name}");
+        assert_eq!(experiment.sensor_config().unwrap().field, experiment.field);
+    }
+}
+
+#[test]
+fn effects_that_cannot_be_are_refused_with_their_line() {
+    for (table, expected) in [
+        ("[sun]\nirradiance_w_m2 = 590.0\nabsorptivity = 2.0\n", "line 9: `sun.absorptivity` is 2: it must be 0 to 1"),
+        (
+            "[[drifts]]\nelement = \"sector7\"\nquantity = \"gain\"\nchange = -0.05\n",
+            "line 8: `drifts[0].element` is `sector7`, which is no element of the head",
+        ),
+        (
+            "[stem.wake]\nangle_deg = 120.0\nfactor = 0.8\n",
+            "line 8: `stem.wake.angle_deg` is 120: it must be more than 0",
+        ),
+        ("[sky]\ncolour = 1\n", "line 8: unknown key `colour`; known are `temperature_c`, `emissivity`"),
+    ] {
+        let sentence = refused("[gas]\n", &format!("{table}\n[gas]\n"));
+        assert!(sentence.contains(expected), "{sentence}");
+    }
+}

@@ -134,6 +134,10 @@ impl fmt::Display for CheckReport<'_> {
         }
         self.write_changes(f)?;
         self.write_currents(f, &names)?;
+        let field = experiment.field.keys();
+        if !field.is_empty() {
+            writeln!(f, "\neffects of the field: {}", field.join(", "))?;
+        }
         writeln!(f)?;
         for entry in experiment.wind.iter().take(MOST) {
             writeln!(

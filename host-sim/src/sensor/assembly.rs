@@ -85,6 +85,9 @@ fn add_link(
             let near: Vec<usize> = from.iter().map(|node| base + node).collect();
             let far = to.map_or(FarEnd::Support(support_k), |node| FarEnd::Node(base + node));
             let cells = base + cells.start..base + cells.end;
+            if to.is_none() {
+                parts.stem_ends.push(cells.start);
+            }
             parts.supports.extend(join(network, &near, cells, &far, *conductance_w_k));
         }
     }

@@ -8,8 +8,13 @@
 use std::ops::Range;
 
 use super::convection::BodyConvection;
+use super::cooled_stem::CooledStem;
+use super::field::LocalWind;
 use super::network::{BoundaryId, RadiatorId, ThermalNetwork};
 use anemometry::gas::{IdealGas, TEMPERATURE_RANGE_K, ZERO_CELSIUS_K};
+use anemometry::vector::length;
+
+mod effects;
 
 /// Stefan–Boltzmann constant, W/(m²·K⁴).
 pub const STEFAN_BOLTZMANN: f64 = 5.670_374_419e-8;
@@ -49,6 +54,8 @@ pub struct BodyParts {
     pub elements: Vec<usize>,
     pub surfaces: Vec<Surface>,
     pub supports: Vec<BoundaryId>,
+    /// First cells of the rods that lead there.
+    pub stem_ends: Vec<usize>,
     pub gaps: Vec<GasGap>,
     /// A law, and which surfaces lose heat by it.
     pub convection: Vec<(BodyConvection, Range<usize>)>,
@@ -59,6 +66,8 @@ pub struct BodyParts {
 pub struct Flows {
     /// Electrical heat of every element.
     pub power_w: Vec<f64>,
+    /// Of every surface, from the sun and what else is put onto it.
+    pub absorbed_w: Vec<f64>,
     /// Of every surface, to the gas.
     pub convection_w: Vec<f64>,
     /// Of every surface, to the surroundings.
@@ -67,6 +76,8 @@ pub struct Flows {
     pub conduction_w: Vec<f64>,
     /// From stem or boom to the support.
     pub support_w: f64,
+    /// From the stem to the gas.
+    pub stem_w: f64,
 }
 
 /// Heat of a surface so far, J: given to the gas, radiated, and stored.
@@ -91,6 +102,15 @@ pub struct ThermalBody {
     /// What convection may add to it, 1/s.
     convection_rate_per_s: f64,
     flows: Flows,
+    /// Between the wind and what spheres meet.
+    local_wind: LocalWind,
+    /// Conductance of every surface to the gas over that of its law.
+    gain: Vec<f64>,
+    cooled_stem: Option<CooledStem>,
+    /// Temperature of what surfaces radiate to, K.
+    sky_k: f64,
+    /// Of every node, beside the elements' heat.
+    absorbed_w: Vec<f64>,
     // Work space, kept so that a tick allocates nothing.
     node_power_w: Vec<f64>,
     surface_k: Vec<f64>,
@@ -123,11 +143,18 @@ impl ThermalBody {
             convection_rate_per_s: 0.0,
             flows: Flows {
                 power_w: vec![0.0; parts.elements.len()],
+                absorbed_w: each.clone(),
                 convection_w: each.clone(),
                 radiation_w: each.clone(),
                 conduction_w: each.clone(),
                 support_w: 0.0,
+                stem_w: 0.0,
             },
+            local_wind: LocalWind::default(),
+            gain: vec![1.0; surfaces.len()],
+            cooled_stem: None,
+            sky_k: gas_k,
+            absorbed_w: vec![0.0; network.len()],
             node_power_w: vec![0.0; network.len()],
             surface_k: each.clone(),
             conductance_w_k: each,
@@ -144,6 +171,9 @@ impl ThermalBody {
     pub fn set_gas_temperature_k(&mut self, temperature_k: f64) {
         for link in &self.gas_links {
             self.network.boundary_mut(*link).temperature_k = temperature_k;
+        }
+        if let Some(stem) = &self.cooled_stem {
+            stem.set_gas_k(&mut self.network, temperature_k);
         }
         if (temperature_k - self.gas.temperature_k).abs() > SAME_PROPERTIES_K {
             self.gas = self.gas.at(temperature_k);
@@ -165,8 +195,11 @@ impl ThermalBody {
             *surface_k = self.network.temperature_k(surface.node);
         }
         for (law, surfaces) in &self.parts.convection {
-            let (surfaces, conductances) = (surfaces.clone(), &mut self.conductance_w_k);
-            law.conductance_w_k(wind_m_s, &self.surface_k[surfaces.clone()], &mut conductances[surfaces]);
+            let surface_k = &self.surface_k[surfaces.clone()];
+            let local_m_s = law.sphere().map_or(wind_m_s, |sphere| {
+                self.local_wind.around(wind_m_s, &self.gas, sphere.stream().diameter_m(), surface_k)
+            });
+            law.conductance_w_k(local_m_s, surface_k, &mut self.conductance_w_k[surfaces.clone()]);
         }
         self.apply_conductance();
     }
@@ -175,11 +208,15 @@ impl ThermalBody {
         // It widens the circles of the surfaces only, which are slow; the sum of both rates bounds
         // all.
         self.convection_rate_per_s = 0.0;
-        let surfaces = self.parts.surfaces.iter().zip(&self.gas_links);
-        for ((surface, link), conductance) in surfaces.zip(&mut self.conductance_w_k) {
-            *conductance *= surface.factor;
+        let surfaces = self.parts.surfaces.iter().zip(&self.gain).zip(&self.gas_links);
+        for (((surface, gain), link), conductance) in surfaces.zip(&mut self.conductance_w_k) {
+            *conductance *= surface.factor * gain;
             self.network.boundary_mut(*link).conductance_w_k = *conductance;
             let rate_per_s = *conductance / self.network.capacity_j_k(surface.node);
+            self.convection_rate_per_s = self.convection_rate_per_s.max(rate_per_s);
+        }
+        if let Some(stem) = &self.cooled_stem {
+            let rate_per_s = stem.set_speed(&mut self.network, length(self.wind_m_s));
             self.convection_rate_per_s = self.convection_rate_per_s.max(rate_per_s);
         }
     }
@@ -207,14 +244,14 @@ impl ThermalBody {
         for i in 0..self.parts.surfaces.len() {
             self.before[i] = self.balance(i);
         }
-        let support_before_j = self.support_j();
+        let (support_before_j, stem_before_j) = (self.support_j(), self.stem_j());
         self.flows.power_w.fill(0.0);
         let substeps = self.substeps(interval_s);
         let step_s = interval_s / substeps as f64;
         for _ in 0..substeps {
             for (i, &node) in self.parts.elements.iter().enumerate() {
                 let power = power_w(i, self.network.temperature_k(node) - ZERO_CELSIUS_K);
-                self.node_power_w[node] = power;
+                self.node_power_w[node] = self.absorbed_w[node] + power;
                 self.flows.power_w[i] += power * step_s / interval_s;
             }
             self.network.step(step_s, &self.node_power_w);
@@ -224,12 +261,14 @@ impl ThermalBody {
             let convection_w = (after.convection_j - before.convection_j) / interval_s;
             let radiation_w = (after.radiation_j - before.radiation_j) / interval_s;
             let stored_w = (after.stored_j - before.stored_j) / interval_s;
-            let given_w = self.parts.surfaces[i].element.map_or(0.0, |element| self.flows.power_w[element]);
+            let heated_w = self.parts.surfaces[i].element.map_or(0.0, |element| self.flows.power_w[element]);
+            let given_w = heated_w + self.flows.absorbed_w[i];
             self.flows.convection_w[i] = convection_w;
             self.flows.radiation_w[i] = radiation_w;
             self.flows.conduction_w[i] = given_w - convection_w - radiation_w - stored_w;
         }
         self.flows.support_w = (self.support_j() - support_before_j) / interval_s;
+        self.flows.stem_w = (self.stem_j() - stem_before_j) / interval_s;
     }
 
     /// Steps of the integration in an interval, at the present wind.
@@ -240,6 +279,11 @@ impl ThermalBody {
     /// Heat that has left to the support, J.
     fn support_j(&self) -> f64 {
         self.parts.supports.iter().map(|&support| self.network.boundary_heat_j(support)).sum()
+    }
+
+    /// Heat that has left from stems to the gas, J.
+    fn stem_j(&self) -> f64 {
+        self.cooled_stem.as_ref().map_or(0.0, |stem| stem.heat_j(&self.network))
     }
 
     /// Sets the steady state of the present wind under the powers of `power_w`, which may depend on
@@ -273,7 +317,7 @@ impl ThermalBody {
         // A resistor's power changes by 0.4 % a kelvin: each round gains two digits at least.
         for _ in 0..10 {
             for (i, &node) in self.parts.elements.iter().enumerate() {
-                self.node_power_w[node] = power_w(i, self.element_temperature_c(i));
+                self.node_power_w[node] = self.absorbed_w[node] + power_w(i, self.element_temperature_c(i));
             }
             needed_w = self.network.hold(&self.node_power_w, held_k);
             // What depends on temperatures follows them.
@@ -321,7 +365,9 @@ impl ThermalBody {
 
     /// Whether a conductance depends on temperatures, so that a steady state takes some rounds.
     fn follows_temperature(&self) -> bool {
-        !self.parts.gaps.is_empty() || self.parts.convection.iter().any(|(law, _)| law.follows_surface())
+        self.local_wind.buoyancy.is_some()
+            || !self.parts.gaps.is_empty()
+            || self.parts.convection.iter().any(|(law, _)| law.follows_surface())
     }
 
     /// Time constants at the present wind and temperatures, s, from the slowest.
@@ -376,8 +422,9 @@ pub(super) mod testing {
             let high = tick / 3 % 2 == 0;
             body.advance(tick_s, |i, _| power_w(i, high));
             let flows = body.flows();
-            given += tick_s * flows.power_w.iter().sum::<f64>();
-            left += tick_s * (flows.convection_w.iter().chain(&flows.radiation_w).sum::<f64>() + flows.support_w);
+            given += tick_s * flows.power_w.iter().chain(&flows.absorbed_w).sum::<f64>();
+            left += tick_s
+                * (flows.convection_w.iter().chain(&flows.radiation_w).sum::<f64>() + flows.support_w + flows.stem_w);
         }
         (given - left - (body.stored_heat_j() - start)) / given
     }

@@ -4,6 +4,7 @@ use anemometry::gas::Species;
 use anemometry::head::{NominalElement, PlatinumKind};
 
 use super::construction::Construction;
+use super::field::FieldEffects;
 use super::front_end::{Imperfections, ResistorFault};
 use super::temperature_swing::TemperatureSwing;
 use super::wind::WindEntry;
@@ -40,6 +41,8 @@ pub struct SensorConfig {
     pub wind: Vec<WindEntry>,
     /// Resistors that break.
     pub faults: Vec<TimedFault>,
+    /// Effects of the field; none by default.
+    pub field: FieldEffects,
 }
 
 /// A fault that an element has from `start_s` on.
@@ -76,6 +79,7 @@ impl Default for SensorConfig {
             imperfections: Imperfections::default(),
             wind: Vec::new(),
             faults: Vec::new(),
+            field: FieldEffects::default(),
         }
     }
 }

@@ -62,6 +62,8 @@ struct FrontEndChannel {
     /// Square of the one that is held, A².
     held_a2: f64,
     fault: Option<ResistorFault>,
+    /// Resistance over that of the platinum: what has drifted.
+    resistance_factor: f64,
 }
 
 #[derive(Clone, Debug)]
@@ -142,6 +144,11 @@ impl SimulatedFrontEnd {
         self.noise_v.iter().map(|noise_v| code_of(code + noise_v * self.code_per_volt)).collect()
     }
 
+    /// The resistance of an element over that of its platinum, from now on.
+    pub fn set_resistance_factor(&mut self, element: usize, factor: f64) {
+        self.elements[element].resistance_factor = factor;
+    }
+
     pub fn set_fault(&mut self, element: usize, fault: Option<ResistorFault>) {
         self.elements[element].fault = fault;
     }
@@ -194,11 +201,12 @@ impl FrontEndChannel {
             current_a: [low_a * off_by(current_error, low), high_a * off_by(current_error, high)],
             held_a2: 0.0,
             fault: None,
+            resistance_factor: 1.0,
         })
     }
 
     fn resistance_ohm(&self, temperature_c: f64) -> f64 {
-        f64::from(self.platinum.resistance_ohm(temperature_c as f32))
+        self.resistance_factor * f64::from(self.platinum.resistance_ohm(temperature_c as f32))
     }
 }
 

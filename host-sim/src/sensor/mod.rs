@@ -8,11 +8,13 @@
 //! | `assembly`, `rod` | a network of it |
 //! | `specimen` | one of many, where the file states tolerances |
 //! | `body` | what all of them do: take heat, lose it and account for it |
+//! | `cooled_stem` | stems from which the wind takes heat |
 //! | `survey` | steady powers, gains and time constants, without letting time pass |
 //! | `matching` | whether a head is the sensor that it names |
 //! | `config`, `error` | what a sensor is made from, and why it cannot be made |
 //! | [`wind`] | held entries, and turbulence, gusts, sines and dust devils on top of them |
 //! | `temperature_swing` | a gas or a support whose temperature swings |
+//! | [`field`] | sun, sky, drifts, film properties, buoyancy, stem |
 //! | `front_end` | currents, resistors, converter, faults |
 //!
 //! [`Sensor`] puts them together. One tick: the controller decides the heater bits,
@@ -38,7 +40,9 @@ mod body;
 mod config;
 mod construction;
 pub mod convection;
+mod cooled_stem;
 mod error;
+pub mod field;
 mod front_end;
 mod matching;
 mod network;

@@ -145,6 +145,13 @@ impl ThermalNetwork {
         self.paths.links[link].conductance_w_k = conductance_w_k;
     }
 
+    /// The link between two nodes, and its conductance, W/K.
+    pub fn link_between(&self, a: usize, b: usize) -> Option<(usize, f64)> {
+        let joins = |link: &ThermalLink| [link.a, link.b] == [a, b] || [link.b, link.a] == [a, b];
+        let found = self.paths.links.iter().position(joins)?;
+        Some((found, self.paths.links[found].conductance_w_k))
+    }
+
     fn is_empty(&self) -> bool {
         self.temperature_k.is_empty()
     }
@@ -162,6 +169,12 @@ impl ThermalNetwork {
         let surroundings_k4 = surroundings_k.powi(4);
         self.paths.radiators.push(Radiator { node, coefficient_w_k4, surroundings_k4, heat_j: 0.0 });
         RadiatorId(self.paths.radiators.len() - 1)
+    }
+
+    /// A surface has another coefficient ε σ A and other surroundings from now on.
+    pub fn set_radiator(&mut self, radiator: RadiatorId, coefficient_w_k4: f64, surroundings_k: f64) {
+        let of = &mut self.paths.radiators[radiator.0];
+        (of.coefficient_w_k4, of.surroundings_k4) = (coefficient_w_k4, surroundings_k.powi(4));
     }
 
     /// A boundary, whose conductance and temperature may change.

@@ -13,6 +13,7 @@ use rand_chacha::rand_core::SeedableRng;
 use super::body::ThermalBody;
 use super::config::{SensorConfig, TimedFault};
 use super::error::{SensorError, require};
+use super::field::AppliedField;
 use super::front_end::SimulatedFrontEnd;
 use super::temperature_swing::TemperatureSwing;
 use super::truth::SensorTruth;
@@ -36,6 +37,7 @@ pub struct Sensor {
     support_swing: Option<TemperatureSwing>,
     front_end: SimulatedFrontEnd,
     faults: Vec<TimedFault>,
+    field: AppliedField,
     element_temperature_c: Vec<f64>,
     codes: Vec<i32>,
     wind_m_s: [f64; 3],
@@ -68,7 +70,8 @@ impl Sensor {
             stream(1),
             stream(2),
         )?;
-        let body = config.construction.body(&gas, config.support_temperature_c + ZERO_CELSIUS_K, config.seed)?;
+        let mut body = config.construction.body(&gas, config.support_temperature_c + ZERO_CELSIUS_K, config.seed)?;
+        let field = AppliedField::new(&config.field, &config.construction, &mut body)?;
         if let Some(swing) = &config.gas_swing {
             swing.check("gas", sample_period_s)?;
             check_range(&gas, swing, config)?;
@@ -88,11 +91,13 @@ impl Sensor {
             support_swing: config.support_swing,
             front_end,
             faults: checked_faults(&config.faults, expected)?,
+            field,
             element_temperature_c: vec![0.0; expected],
             codes: vec![0; expected],
             wind_m_s,
         };
         sensor.apply_faults();
+        sensor.field.apply(0.0, &mut sensor.body, &mut sensor.front_end);
         sensor.body.set_wind(wind_m_s);
         let substeps = sensor.body.substeps(sample_period_s);
         if substeps > MOST_SUBSTEPS {
@@ -121,6 +126,7 @@ impl Sensor {
             let support_c = self.support_temperature_c + swing.offset_k(self.time_s());
             self.body.set_support_temperature_k(support_c + ZERO_CELSIUS_K);
         }
+        self.field.apply(self.time_s(), &mut self.body, &mut self.front_end);
         self.body.set_wind(self.wind_m_s);
         self.front_end.hold(heaters);
         let front_end = &self.front_end;

@@ -5,6 +5,7 @@ use anemometry::gas::Species;
 use anemometry::head::{NominalElement, PlatinumKind};
 
 mod bodies;
+mod field;
 mod gas_swing;
 mod rems;
 mod sphere_a;

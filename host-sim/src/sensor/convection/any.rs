@@ -57,6 +57,9 @@ impl BodyConvection {
     pub fn conductance_w_k(&self, wind_m_s: [f64; 3], surface_k: &[f64], conductance_w_k: &mut [f64]) {
         let surfaces = conductance_w_k.iter_mut().zip(surface_k);
         match self {
+            Self::Sphere(sphere) if sphere.takes_film() => {
+                sphere.film_conductance_w_k(wind_m_s, surface_k, conductance_w_k);
+            }
             Self::Sphere(sphere) => sphere.conductance_w_k(wind_m_s, conductance_w_k),
             Self::Boom(boom) => boom.conductance_w_k(wind_m_s, conductance_w_k),
             Self::Cylinder(cylinder) => cylinder.conductance_w_k(wind_m_s, surface_k, conductance_w_k),
@@ -65,6 +68,16 @@ impl BodyConvection {
             Self::King(law) => conductance_w_k.fill(king::conductance_w_k(law, wind_m_s)),
             Self::Table(table) => table.conductance_w_k(wind_m_s, conductance_w_k),
         }
+    }
+
+    /// The sphere, if it is one.
+    pub fn sphere(&self) -> Option<&SphereSurfaces> {
+        if let Self::Sphere(sphere) = self { Some(sphere) } else { None }
+    }
+
+    /// The same, to be changed.
+    pub fn sphere_mut(&mut self) -> Option<&mut SphereSurfaces> {
+        if let Self::Sphere(sphere) = self { Some(sphere) } else { None }
     }
 
     /// From now on in this gas.
@@ -83,7 +96,8 @@ impl BodyConvection {
     /// Whether the temperature of a surface counts, beside the gas and the wind.
     pub fn follows_surface(&self) -> bool {
         match self {
-            Self::Sphere(_) | Self::Boom(_) | Self::King(_) | Self::Table(_) => false,
+            Self::Sphere(sphere) => sphere.takes_film(),
+            Self::Boom(_) | Self::King(_) | Self::Table(_) => false,
             Self::Wire(_) => true,
             Self::Plate(plate) => plate.is_free(),
             Self::Cylinder(cylinder) => cylinder.is_free(),
@@ -106,7 +120,7 @@ impl BodyConvection {
     /// Whether this wind lies beyond what is computed or known.
     pub fn extrapolated(&self, wind_m_s: [f64; 3], surface_k: &[f64]) -> bool {
         match self {
-            Self::Sphere(sphere) => sphere.stream().extrapolated(wind_m_s),
+            Self::Sphere(sphere) => sphere.extrapolated(wind_m_s, surface_k),
             Self::Boom(boom) => boom.extrapolated(wind_m_s),
             Self::Plate(plate) => plate.extrapolated(wind_m_s),
             Self::Cylinder(cylinder) => cylinder.extrapolated(wind_m_s),

@@ -94,13 +94,17 @@ impl SphereStream {
     /// Legendre coefficients a_n at `reynolds` ≥ 0 and the Prandtl number of the gas; a_0 is the
     /// mean Nusselt number.
     pub fn coefficients(&self, reynolds: f64) -> Coefficients {
+        self.coefficients_at(reynolds, self.prandtl)
+    }
+
+    fn coefficients_at(&self, reynolds: f64, prandtl: f64) -> Coefficients {
         let mut a = self.of_grid(reynolds);
-        if self.prandtl != self.grid_prandtl {
+        if prandtl != self.grid_prandtl {
             // Beyond either end the grid goes on with the factor of its end, and from Re 0 to 1
             // with that of Re 1.
             let within = reynolds.clamp(LOWEST_REYNOLDS, HIGHEST_REYNOLDS);
-            let beyond_conduction = |prandtl| beyond_conduction(within, prandtl);
-            let factor = beyond_conduction(self.prandtl) / beyond_conduction(self.grid_prandtl);
+            let beyond_conduction = |of_prandtl| beyond_conduction(within, of_prandtl);
+            let factor = beyond_conduction(prandtl) / beyond_conduction(self.grid_prandtl);
             // Above the table all of Nu grows as a power, the conduction in it too.
             let conduction = if reynolds > HIGHEST_REYNOLDS { 2.0 * growth(reynolds) } else { 2.0 };
             a = a.map(|a| a * factor);
@@ -128,6 +132,12 @@ impl SphereStream {
         std::array::from_fn(|n| low[n] + fraction * (high[n] - low[n]))
     }
 
+    /// Coefficients in a wind at the properties of another gas than its own.
+    pub fn in_film(&self, film: &IdealGas, wind_m_s: [f64; 3]) -> Coefficients {
+        let reynolds = film.reynolds(1.0, self.diameter_m) * length(wind_m_s);
+        self.coefficients_at(reynolds, film.prandtl())
+    }
+
     /// Coefficients in a wind, and the unit vector towards the front stagnation point, where there
     /// is a wind.
     pub fn around(&self, wind_m_s: [f64; 3]) -> (Coefficients, Option<[f64; 3]>) {
@@ -143,7 +153,7 @@ fn growth(reynolds: f64) -> f64 {
 }
 
 /// P_0 … P_5 at z.
-pub(super) fn legendre(z: f64) -> [f64; ORDERS] {
+pub(in crate::sensor) fn legendre(z: f64) -> [f64; ORDERS] {
     let z2 = z * z;
     [
         1.0,

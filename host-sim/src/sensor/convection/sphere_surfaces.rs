@@ -26,9 +26,11 @@
 
 use std::f64::consts::PI;
 
+use super::flow::{film_extrapolated, film_gas};
 use super::sphere_cells::SphereCells;
 use super::sphere_stream::{Coefficients, ORDERS, SphereStream, legendre};
 use crate::sensor::error::SensorError;
+use crate::sensor::field::HALF_COSINE;
 use anemometry::gas::IdealGas;
 use anemometry::vector::{cross, dot, unit};
 
@@ -73,6 +75,9 @@ pub struct SphereSurfaces {
     division: SphereDivision,
     /// Of every surface.
     conductance_per_nusselt_w_k: Vec<f64>,
+    gas: IdealGas,
+    /// Whether properties are those of the film of each surface.
+    film: bool,
 }
 
 /// Into which surfaces a sphere is divided.
@@ -103,7 +108,7 @@ impl SphereSurfaces {
             _ => SphereDivision::Cells(SphereCells::new(normals)),
         };
         let stream = SphereStream::new(gas, diameter_m)?;
-        let mut surfaces = Self { stream, division, conductance_per_nusselt_w_k: Vec::new() };
+        let mut surfaces = Self { stream, division, conductance_per_nusselt_w_k: Vec::new(), gas: *gas, film: false };
         surfaces.follow(gas);
         Ok(surfaces)
     }
@@ -111,6 +116,7 @@ impl SphereSurfaces {
     /// The same in another gas.
     pub fn follow(&mut self, gas: &IdealGas) {
         self.stream.follow(gas);
+        self.gas = *gas;
         let whole_w_k = gas.conductivity_w_m_k * PI * self.stream.diameter_m();
         self.conductance_per_nusselt_w_k = match &self.division {
             SphereDivision::Alike { frames, .. } => vec![whole_w_k / frames.len() as f64; frames.len()],
@@ -132,19 +138,45 @@ impl SphereSurfaces {
         &self.stream
     }
 
+    /// Takes properties at the film temperature of each surface from now on.
+    pub fn take_film(&mut self) {
+        self.film = true;
+    }
+
+    /// Whether it does.
+    pub fn takes_film(&self) -> bool {
+        self.film
+    }
+
+    /// Whether this wind lies beyond the table, or a film where gases are not known.
+    pub fn extrapolated(&self, wind_m_s: [f64; 3], surface_k: &[f64]) -> bool {
+        let film = self.film && surface_k.iter().any(|&surface_k| film_extrapolated(&self.gas, surface_k));
+        film || self.stream.extrapolated(wind_m_s)
+    }
+
     /// Mean Nusselt number of every surface; the wind vector points where the air goes *to*.
     pub fn nusselt(&self, wind_m_s: [f64; 3], each: impl FnMut(f64)) {
         let (a, from) = self.stream.around(wind_m_s);
+        self.means(&a, from, each);
+    }
+
+    /// Part of every surface's area that is seen from a direction, as parallel rays are.
+    pub fn lit_shares(&self, towards: [f64; 3], each: impl FnMut(f64)) {
+        self.means(&HALF_COSINE, Some(towards), each);
+    }
+
+    /// Means of Σ a_n P_n(cos θ) over every surface, θ from a unit vector; without one, a_0.
+    fn means(&self, a: &Coefficients, from: Option<[f64; 3]>, each: impl FnMut(f64)) {
         match (&self.division, from) {
             (_, None) => self.conductance_per_nusselt_w_k.iter().map(|_| a[0]).for_each(each),
             (SphereDivision::Alike { frames, mean, threefold }, Some(from)) => {
-                frames.iter().map(|frame| surface_mean(&a, frame, from, mean, threefold)).for_each(each);
+                frames.iter().map(|frame| surface_mean(a, frame, from, mean, threefold)).for_each(each);
             }
-            (SphereDivision::Cells(cells), Some(from)) => cells.means(&a, from).for_each(each),
+            (SphereDivision::Cells(cells), Some(from)) => cells.means(a, from).for_each(each),
         }
     }
 
-    /// Conductance of every surface to the gas, W/K.
+    /// Conductance of every surface to the gas, W/K, at the properties of the gas.
     pub fn conductance_w_k(&self, wind_m_s: [f64; 3], conductance_w_k: &mut [f64]) {
         let mut surfaces = conductance_w_k.iter_mut().zip(&self.conductance_per_nusselt_w_k);
         self.nusselt(wind_m_s, |nusselt| {
@@ -152,6 +184,24 @@ impl SphereSurfaces {
                 *conductance_w_k = nusselt * per_nusselt_w_k;
             }
         });
+    }
+
+    /// The same at the properties of each surface's film.
+    pub fn film_conductance_w_k(&self, wind_m_s: [f64; 3], surface_k: &[f64], conductance_w_k: &mut [f64]) {
+        let (_, from) = self.stream.around(wind_m_s);
+        for (i, (conductance_w_k, &surface_k)) in conductance_w_k.iter_mut().zip(surface_k).enumerate() {
+            let film = film_gas(&self.gas, surface_k);
+            let a = self.stream.in_film(&film, wind_m_s);
+            let (mut number, mut nusselt) = (0, 0.0);
+            self.means(&a, from, |mean| {
+                if number == i {
+                    nusselt = mean;
+                }
+                number += 1;
+            });
+            let conducts = film.conductivity_w_m_k / self.gas.conductivity_w_m_k;
+            *conductance_w_k = nusselt * self.conductance_per_nusselt_w_k[i] * conducts;
+        }
     }
 }
 
@@ -324,6 +374,60 @@ mod tests {
                 assert!((mean / expected - 1.0).abs() < 1e-13, "{mean} {expected}");
             }
         }
+    }
+
+    #[test]
+    fn film_properties_are_those_of_a_gas_at_the_mean_temperature() {
+        let gas = mars();
+        let wind = [3.0, -2.0, 1.0];
+        for sphere in [sectors(&gas), hemispheres()] {
+            let of_gas = |of: &SphereSurfaces| {
+                let mut found = vec![0.0; of.conductance_per_nusselt_w_k.len()];
+                of.conductance_w_k(wind, &mut found);
+                found
+            };
+            let of_film = |surface_k: f64| {
+                let mut found = of_gas(&sphere);
+                let surfaces_k = vec![surface_k; found.len()];
+                sphere.film_conductance_w_k(wind, &surfaces_k, &mut found);
+                found
+            };
+            assert_eq!(of_film(gas.temperature_k), of_gas(&sphere));
+            let mut warmer = sphere.clone();
+            warmer.follow(&gas.at(gas.temperature_k + 20.0));
+            for (found, expected) in of_film(gas.temperature_k + 40.0).iter().zip(of_gas(&warmer)) {
+                // Rounding.
+                assert!((found / expected - 1.0).abs() < 1e-12, "{found} for {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_sun_sees_the_cross_section_and_nothing_of_what_looks_away() {
+        let sectors = sectors(&mars());
+        let lit = |towards| {
+            let mut shares = Vec::new();
+            sectors.lit_shares(towards, |share| shares.push(share));
+            shares
+        };
+        for direction in directions(500) {
+            // A quarter of the surface: π d²/4 of π d².
+            assert!((lit(direction).iter().sum::<f64>() / 4.0 - 0.25).abs() < 1e-12);
+        }
+        // Facing the sun, a sector is a spherical triangle whose mean cosine by integration over
+        // half a million directions is 0.745; the orders above the fifth are 0.003.
+        let (axis, mut sum, mut count) = (sector_axis(0), 0.0, 0.0);
+        for p in directions(500_000) {
+            if (1..SECTORS).all(|i| dot(p, sector_axis(i)) < dot(p, axis)) {
+                sum += dot(p, axis).max(0.0);
+                count += 1.0;
+            }
+        }
+        assert!((lit(axis)[0] - sum / count).abs() < 3e-3, "{} for {}", lit(axis)[0], sum / count);
+        assert!(lit(axis.map(|v| -v))[0].abs() < 3e-3);
+        let mut halves = Vec::new();
+        hemispheres().lit_shares([1.0, 0.0, 0.0], |share| halves.push(share));
+        assert!((halves[0] - 0.5).abs() < 1e-12 && halves[1].abs() < 1e-12, "{halves:?}");
     }
 
     #[test]
