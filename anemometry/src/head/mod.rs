@@ -22,6 +22,7 @@
 //! | [`element`], [`nominal`] | an element of it, and its data sheet |
 //! | [`body`] | the table `[body]`: what simulates it |
 //! | [`calibration`] | the table `[calibration]`, read and written |
+//! | `currents` | a head with high currents that were measured |
 //! | [`output`] | bandwidth and interval of wind estimates |
 //! | [`setup`] | a calibration as commands of the board's anemometer |
 //! | [`table`] | the file as it is written |
@@ -30,6 +31,7 @@
 
 pub mod body;
 pub mod calibration;
+mod currents;
 pub mod element;
 pub mod error;
 pub mod file;
