@@ -418,6 +418,25 @@ mod tests {
     }
 
     #[test]
+    fn readings_that_jump_with_the_level_are_noticed() {
+        let model = |jump_k: f64| {
+            let read = |n: usize| {
+                let mut record = record_of_two(n, 1.0);
+                for row in 1..ROWS {
+                    if record.power_w[n][row - 1] > 0.05 {
+                        record.temperature_c[n][row] += jump_k;
+                    }
+                }
+                Ok(record)
+            };
+            identify(2, &read, PolesPerPair { own: 2, cross: 2 }, &mut |_, _, _| {}).unwrap()
+        };
+        assert!(model(0.0).supported);
+        let off = model(-0.05);
+        assert!(!off.supported && off.warnings[0].starts_with("film1: its record leaves "), "{:?}", off.warnings);
+    }
+
+    #[test]
     fn elements_that_do_not_warm_each_other_have_no_cross_heating() {
         let model = |cross_k_per_w: f64| {
             let read = |n: usize| Ok(record_of_two(n, cross_k_per_w));

@@ -93,3 +93,56 @@ fn unlike_its_kind(own: &SelfHeatingParameters, network: &QuiescentNetwork, head
         })
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::network::ladder::LadderSection;
+    use crate::network::parameters::ReadingNoise;
+
+    /// Four sectors of sphere B as their chips and these have it: K/W of what is quick, share of the
+    /// surface in what is slow.
+    fn found(quick_k_per_w: [f64; 4], share: f64) -> Vec<String> {
+        let head = Head::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../heads/sphere-b.toml")).unwrap();
+        let own = quick_k_per_w.into_iter().enumerate().map(|(element, quick)| SelfHeatingParameters {
+            element,
+            name: head.elements[element].name.clone(),
+            rest_c: -48.0,
+            noise: ReadingNoise { low_k: 2.5e-3, high_k: 5e-4 },
+            mesh_rad_s: vec![0.0025, 0.0095, 400.0],
+            r_k_per_w: vec![636.0, 636.0, quick],
+            surface: Some(vec![share, share, -0.05]),
+            layers: vec![LadderSection { capacitance_j_per_k: 5e-3, resistance_k_per_w: quick }],
+        });
+        absurdities(&QuiescentNetwork { own: own.collect(), cross: Vec::new() }, &head, 0.02)
+    }
+
+    #[test]
+    fn what_the_sphere_is_made_of_is_nothing_to_warn_of() {
+        assert_eq!(found([0.46, 0.47, 0.55, 0.46], 1.0), Vec::<String>::new());
+    }
+
+    #[test]
+    fn heat_within_a_tick_that_100_ppm_would_be_is_named() {
+        // 0.46 K/W are 62 ppm by themselves.
+        let sentences = found([1.21; 4], 1.0);
+        assert_eq!(sentences.len(), 4);
+        assert!(sentences[0].starts_with("sector1: 16") && sentences[0].contains("--currents"), "{sentences:?}");
+    }
+
+    #[test]
+    fn a_layer_unlike_the_others_and_a_surface_that_is_none_are_named() {
+        let sentences = found([0.46, 0.15, 0.47, 0.46], 1.0);
+        assert_eq!(sentences.len(), 1);
+        assert!(sentences[0].starts_with("sector2: its layer 1 has 0.150 K/W"), "{sentences:?}");
+        assert!(found([0.46; 4], 0.7)[3].starts_with("sector4: the surface has 0.70"));
+    }
+
+    #[test]
+    fn residuals_are_held_against_the_noise() {
+        assert_eq!(residuals("core1", 4e-3, 2.5e-3), None);
+        assert!(residuals("core1", 7e-3, 2.5e-3).unwrap().contains("core1: its record leaves 7.0 mK"));
+    }
+}
