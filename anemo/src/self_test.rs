@@ -166,8 +166,8 @@ fn test_currents(arguments: &Arguments, mut experiment: Experiment) -> Result<()
     finished.map_err(Failure::work)?;
     let mut report = report.ok_or_else(|| Failure::work("interrupted: the self-test has been stopped"))?;
     let known = report.known();
-    if let (Some(path), Ok(errors)) = (&arguments.output, &known) {
-        let head = experiment.head.with_current_ratios(errors)?;
+    if let Some(path) = arguments.output.as_ref().filter(|_| known.iter().any(Option::is_some)) {
+        let head = experiment.head.with_current_ratios(&known)?;
         crate::output::write_text(path, &head.source.text)?;
         report.written = Some(path.clone());
         if head.calibration.is_some() {
@@ -175,7 +175,9 @@ fn test_currents(arguments: &Arguments, mut experiment: Experiment) -> Result<()
         }
     }
     crate::output::print_report(&report, arguments.json)?;
-    known.map_err(Failure::work)?;
+    if let Some(unknown) = report.unknown() {
+        return Err(Failure::work(unknown));
+    }
     match report.faults().filter(|_| report.written.is_none()) {
         None => Ok(()),
         Some(faults) => {

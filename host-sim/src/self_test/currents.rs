@@ -56,11 +56,6 @@ pub struct CurrentsReport {
     pub written: Option<PathBuf>,
 }
 
-/// An element whose currents are not known, and why: a sentence.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{0}")]
-pub struct CurrentsUnknown(String);
-
 /// Heats the elements of a head for so many ticks, and reports on their currents. `each` gets the
 /// ticks that are over; if it returns false, the test ends without a report.
 ///
@@ -178,11 +173,16 @@ fn length(stretch: &[CurrentRatioTicks]) -> usize {
 }
 
 impl CurrentsFinding {
+    /// Whether its error is known well enough to be judged.
+    fn is_known(&self) -> bool {
+        self.error.is_ok_and(|found| COVERAGE * found.error_u_ppm <= BOUND_PPM)
+    }
+
     /// One word on the element.
     pub fn verdict(&self) -> &'static str {
         match &self.error {
             Err(_) => "unknown",
-            Ok(found) if COVERAGE * found.error_u_ppm > BOUND_PPM => "uncertain",
+            Ok(_) if !self.is_known() => "uncertain",
             Ok(found) if found.error_ppm.abs() > BOUND_PPM => "off",
             Ok(_) => "pass",
         }
@@ -190,24 +190,20 @@ impl CurrentsFinding {
 }
 
 impl CurrentsReport {
-    /// The errors by element of the head, if all of them are known.
-    ///
-    /// # Errors
-    /// The first that is not, and why.
-    pub fn known(&self) -> Result<Vec<Option<CurrentRatioError>>, CurrentsUnknown> {
-        let unknown = self.findings.iter().flatten().find(|of| matches!(of.verdict(), "unknown" | "uncertain"));
-        match unknown {
-            None => Ok(self.findings.iter().map(|of| of.as_ref().and_then(|of| of.error.ok())).collect()),
-            Some(of) => {
-                let why = of.error.map_or_else(|why| why.to_string(), |_| "its uncertainty is too great".to_owned());
-                let hot = self.hot.as_ref().map_or_else(String::new, |hot| {
-                    format!(
-                        "; {hot} came within {MARGIN_K} K of its temperature_max_c and ended the test: cool the head"
-                    )
-                });
-                Err(CurrentsUnknown(format!("the ratio of the currents of {} is not known: {why}{hot}", of.element)))
-            }
-        }
+    /// The errors by element of the head, of those that are known well enough.
+    pub fn known(&self) -> Vec<Option<CurrentRatioError>> {
+        let known = |of: &CurrentsFinding| of.error.ok().filter(|_| of.is_known());
+        self.findings.iter().map(|of| of.as_ref().and_then(known)).collect()
+    }
+
+    /// The first element whose error is not known, and why, in one clause.
+    pub fn unknown(&self) -> Option<String> {
+        let of = self.findings.iter().flatten().find(|of| !of.is_known())?;
+        let why = of.error.map_or_else(|why| why.to_string(), |_| "its uncertainty is too great".to_owned());
+        let hot = self.hot.as_ref().map_or_else(String::new, |hot| {
+            format!("; {hot} came within {MARGIN_K} K of its temperature_max_c and ended the test: cool the head")
+        });
+        Some(format!("the ratio of the currents of {} is not known: {why}{hot}", of.element))
     }
 
     /// What is wrong in one clause; nothing if the test has passed.
