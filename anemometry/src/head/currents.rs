@@ -1,5 +1,6 @@
 //! A head with high currents that were measured, its file otherwise as it is.
 
+use dr_core::sensor::Level;
 use recording::toml_file::FileError;
 use toml::de::{DeTable, DeValue};
 
@@ -23,7 +24,7 @@ impl Head {
         // From the last element on: places before a change stay.
         for (place, error) in errors.iter().enumerate().rev() {
             if let (Some(error), Some(element)) = (error, self.elements.get(place)) {
-                let high_a = f64::from(element.config.channel.current_a(dr_core::sensor::Level::High));
+                let high_a = decimal(element.config.channel.current_a(Level::High));
                 let keys = [
                     ("current_high_a", rounded(error.corrected_a(high_a))),
                     ("current_high_nominal_a", rounded(element.nominal.current_high_a)),
@@ -38,6 +39,11 @@ impl Head {
 fn comment(error: &CurrentRatioError) -> String {
     let CurrentRatioError { error_ppm, error_u_ppm, .. } = error;
     format!("  # measured: {error_ppm:+.1} ppm of the ratio high/low, standard uncertainty {error_u_ppm:.1} ppm")
+}
+
+/// The number that a file had: of an f32 the shortest decimal.
+fn decimal(current_a: f32) -> f64 {
+    current_a.to_string().parse().unwrap_or(f64::from(current_a))
 }
 
 fn rounded(current_a: f64) -> f64 {
@@ -89,7 +95,6 @@ fn line_start(text: &str, place: usize) -> usize {
 mod tests {
     use std::path::Path;
 
-    use dr_core::sensor::Level;
     use recording::toml_file::TomlSource;
 
     use super::*;
