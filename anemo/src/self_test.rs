@@ -23,10 +23,10 @@ use host_sim::settings;
 /// with the element's model, where the experiment names one. A board keeps the result in its flash,
 /// with date and firmware; it also tests itself, without heat, at each start.
 ///
-/// With --currents it measures the ratio of the two currents of each element in place of that, from
-/// a minute of random heat at 1 kHz: readings at the high level are off against those at the low one
-/// by 0.3 K if the ratio is off by 1 000 ppm, and no loop, network or calibration bears that. With
-/// -o the head is written with the currents that go with what was found.
+/// With --currents it measures the ratio of the two currents of each element instead, from a minute
+/// of random heat at 1 kHz. If the ratio is off by 1 000 ppm, readings at the high level are off
+/// against those at the low one by 0.3 K; no loop, network or calibration bears that. With -o the
+/// head is written with the currents that go with what was found.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Verdicts, and what to look at:

@@ -42,8 +42,8 @@ const GRID_TICKS: [f64; 11] = [1.0, 1.5, 2.2, 3.3, 5.0, 8.0, 16.0, 32.0, 64.0, 2
 const LEAST_TICKS: usize = 2000;
 /// Fewer changes of the level are refused.
 const LEAST_SWITCHES: usize = 200;
-/// Least share of the levels' variance that heat does not explain. Of white bits it is Π e^(−2/τ_k),
-/// 0.003: the distance of a step at once from all sums of exponentials.
+/// Least share of the levels' variance that heat does not explain. Of white bits it is
+/// Π e^(−2/τ_k), 0.003: the distance of a step at once from all sums of exponentials.
 const LEAST_SHARE: f64 = 3e-4;
 
 /// Ticks of an element, none missing.
@@ -206,8 +206,8 @@ mod tests {
     const TICKS: usize = 60_000;
     const PERIOD_S: f64 = 1e-3;
 
-    /// A chip on a sector in gas, read at 1 kHz while its levels are random: 3 and 16 mA, and a high
-    /// current that is off.
+    /// A chip on a sector in gas, read at 1 kHz while its levels are random: 3 and 16 mA, and a
+    /// high current that is off.
     struct Bench {
         error_ppm: f64,
         seed: u64,

@@ -102,8 +102,8 @@ mod tests {
     use crate::network::ladder::LadderSection;
     use crate::network::parameters::ReadingNoise;
 
-    /// Four sectors of sphere B as their chips and these have it: K/W of what is quick, share of the
-    /// surface in what is slow.
+    /// Four sectors of sphere B with these K/W of what is quick, and share of the surface in what
+    /// is slow.
     fn found(quick_k_per_w: [f64; 4], share: f64) -> Vec<String> {
         let head = Head::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../heads/sphere-b.toml")).unwrap();
         let own = quick_k_per_w.into_iter().enumerate().map(|(element, quick)| SelfHeatingParameters {

@@ -68,7 +68,7 @@ pub fn test_currents(
     each: &mut dyn FnMut(u32) -> bool,
 ) -> Result<Option<CurrentsReport>, InstrumentError> {
     setup::start(instrument, &excitation(head))?;
-    let mut gathered = Gathered::new(head.elements.len());
+    let mut record = CurrentsRecord::new(head.elements.len());
     let mut hot = None;
     for tick in 0..ticks {
         let sample = instrument.observe()?.sample;
@@ -77,7 +77,7 @@ pub fn test_currents(
                 let element = setup::place(trip, &head.names());
                 return Err(InstrumentError::Tripped { cause: trip.cause.name(), element });
             }
-            RunState::Running => gathered.take(&sample),
+            RunState::Running => record.take(&sample),
             _ => return Err(InstrumentError::Stopped),
         }
         let mut readings = head.elements.iter().zip(&sample.temperature_c);
@@ -90,7 +90,7 @@ pub fn test_currents(
         }
     }
     instrument.command(Command::Stop)?;
-    let elements = gathered.longest();
+    let elements = record.longest();
     let finding = |(of, ticks): (&HeadElement, &CurrentRatioTicks)| {
         let channel = &of.config.channel;
         of.may_be_driven().then(|| CurrentsFinding {
@@ -130,13 +130,13 @@ fn is_hot(element: &HeadElement, read_c: f32) -> bool {
 }
 
 /// The stretch without gaps that is now, and the longest before it.
-struct Gathered {
+struct CurrentsRecord {
     now: Vec<CurrentRatioTicks>,
     before: Vec<CurrentRatioTicks>,
     last: Option<u32>,
 }
 
-impl Gathered {
+impl CurrentsRecord {
     fn new(elements: usize) -> Self {
         let none = vec![CurrentRatioTicks::default(); elements];
         Self { now: none.clone(), before: none, last: None }

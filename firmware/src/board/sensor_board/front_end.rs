@@ -100,8 +100,8 @@ pub struct AdcFrontEnd {
     input: FrontEndInput,
     /// A conversion was overwritten before it was read.
     overran: bool,
-    /// The edge that waits came while a frame or the registers were read: what is left of its own is
-    /// no frame.
+    /// The edge that waits came while a frame or the registers were read: what is left of its own
+    /// is no frame.
     torn: bool,
     /// Conversions without codes so far.
     lost: u32,
