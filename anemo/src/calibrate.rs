@@ -210,6 +210,7 @@ fn tables(arguments: &Arguments) -> Result<Vec<SteadyTable>, Failure> {
 
 fn calibrator<'a>(arguments: &Arguments, head: &'a Head, tables: &[SteadyTable]) -> Result<Calibrator<'a>, Failure> {
     let model = arguments.network.as_deref().map(Model::read).transpose().map_err(Failure::usage)?;
+    model.iter().flat_map(|model| &model.warnings).for_each(|warning| warn(&format!("network: {warning}")));
     let network = match (&model, tables, arguments.time_constant) {
         (Some(model), ..) => NetworkSource::Identified(model),
         (None, [table, ..], Some(time_constant_s)) => NetworkSource::Table { table, time_constant_s },

@@ -9,10 +9,11 @@ use dr_core::control::{SelfTestFault, SelfTestPlan};
 use wire::Setting;
 
 use crate::board::{InstrumentArguments, On, OpenBoard};
-use crate::output::Failure;
+use crate::output::{Failure, warn};
 use crate::progress::{on_interrupt, progress};
+use host_sim::experiment::Experiment;
 use host_sim::instrument::setup;
-use host_sim::self_test::{self, SelfTestReport, StoredSelfTests};
+use host_sim::self_test::{self, SelfTestReport, StoredSelfTests, currents};
 use host_sim::settings;
 
 /// Have an instrument test itself: offsets, references, elements, noise, and the response of each
@@ -21,6 +22,11 @@ use host_sim::settings;
 /// Without an experiment the instrument keeps the set-up of its settings. The pulse is compared
 /// with the element's model, where the experiment names one. A board keeps the result in its flash,
 /// with date and firmware; it also tests itself, without heat, at each start.
+///
+/// With --currents it measures the ratio of the two currents of each element instead, from a minute
+/// of random heat at 1 kHz. If the ratio is off by 1 000 ppm, readings at the high level are off
+/// against those at the low one by 0.3 K; no loop, network or calibration bears that. With -o the
+/// head is written with the currents that go with what was found.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Verdicts, and what to look at:
@@ -32,13 +38,18 @@ Verdicts, and what to look at:
   crossed                heaters that are not where their sensors are
   interrupted            the instrument has tripped (why: in brackets)
 
-Exit code 0: pass; 1: at least one fault.
+Verdicts of --currents, within 10 ppm:
+  off                    write the head with -o, or measure the currents
+  uncertain, unknown     more seconds, less wind, a cooler head
+
+Exit code 0: pass, or a head written with -o; 1: at least one fault.
 
 Examples:
   anemo self-test experiments/gusts.toml --on sim
   anemo self-test experiments/gusts.toml --on serial:/dev/ttyACM0 --pulse 0.5
   anemo self-test --on serial:/dev/ttyACM0 --no-heat
-  anemo self-test --on serial:/dev/ttyACM0 --stored")]
+  anemo self-test --on serial:/dev/ttyACM0 --stored
+  anemo self-test experiments/gusts.toml --on sim --currents -o head.toml")]
 pub struct Arguments {
     /// The experiment whose head, sample period and models the instrument gets: a TOML file.
     experiment: Option<PathBuf>,
@@ -53,6 +64,16 @@ pub struct Arguments {
     /// Test nothing: show the result that the board keeps.
     #[arg(long, conflicts_with_all = ["pulse", "no_heat"])]
     stored: bool,
+    /// Measure the ratio of the two currents of each element, at 1 kHz.
+    #[arg(long, requires = "experiment", conflicts_with_all = ["pulse", "no_heat", "stored"])]
+    currents: bool,
+    /// How long --currents heats, s, 3 to 600.
+    #[arg(long, value_name = "S", default_value_t = 60, requires = "currents",
+        value_parser = clap::value_parser!(u32).range(3..=600))]
+    seconds: u32,
+    /// Write the head with the currents that --currents has found to this .toml file.
+    #[arg(short, long, value_name = "FILE", requires = "currents")]
+    output: Option<PathBuf>,
     /// Print one JSON object instead of the table.
     #[arg(long)]
     json: bool,
@@ -68,6 +89,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         .map(|path| crate::output::read_experiment(path, arguments.instrument.on.board()))
         .transpose()?;
     let experiment = experiment.map(|(experiment, _)| experiment);
+    if let Some(experiment) = experiment.as_ref().filter(|_| arguments.currents) {
+        return test_currents(arguments, experiment.clone());
+    }
     let names: Vec<String> = experiment.iter().flat_map(|of| of.head.names()).map(str::to_owned).collect();
     if arguments.stored {
         return show_stored(arguments, names);
@@ -119,6 +143,47 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         ""
     };
     report.faults().map_or(Ok(()), |faults| Err(Failure::work(format!("the self-test has found {faults}{hint}"))))
+}
+
+/// Measures the ratios of the currents, and writes them into a head.
+fn test_currents(arguments: &Arguments, mut experiment: Experiment) -> Result<(), Failure> {
+    if let Some(path) = &arguments.output {
+        crate::output::keep(&[experiment.head.source.path.as_path()], &[Some(path)])?;
+        crate::output::writable(path, "a head", "toml")?;
+    }
+    experiment.sample_period_s = currents::PERIOD_S;
+    let mut instrument = arguments.instrument.open(arguments.experiment.as_deref(), || Ok(experiment.sensor()?))?;
+    let interrupted = on_interrupt();
+    let ticks = (f64::from(arguments.seconds) / currents::PERIOD_S).round() as u32;
+    let bar = progress("currents", Some(ticks.into()));
+    let report = currents::test_currents(&experiment.head, instrument.as_mut(), ticks, &mut |tick| {
+        bar.set_position(tick.into());
+        !interrupted.load(Ordering::Relaxed)
+    });
+    bar.finish_and_clear();
+    let finished = instrument.finish();
+    let report = report.map_err(Failure::work)?;
+    finished.map_err(Failure::work)?;
+    let mut report = report.ok_or_else(|| Failure::work("interrupted: the self-test has been stopped"))?;
+    let known = report.known();
+    if let Some(path) = arguments.output.as_ref().filter(|_| known.iter().any(Option::is_some)) {
+        let head = experiment.head.with_current_ratios(&known)?;
+        crate::output::write_text(path, &head.source.text)?;
+        report.written = Some(path.clone());
+        if head.calibration.is_some() {
+            warn("the head's calibration is from other currents: identify and calibrate it again with these");
+        }
+    }
+    crate::output::print_report(&report, arguments.json)?;
+    if let Some(unknown) = report.unknown() {
+        return Err(Failure::work(unknown));
+    }
+    match report.faults().filter(|_| report.written.is_none()) {
+        None => Ok(()),
+        Some(faults) => {
+            Err(Failure::work(format!("the self-test of the currents has found {faults}; -o HEAD corrects them")))
+        }
+    }
 }
 
 fn show_stored(arguments: &Arguments, names: Vec<String>) -> Result<(), Failure> {

@@ -24,12 +24,14 @@
 //! | [`head`] | head files: elements, limits, calibration |
 //! | [`network`] | self-heating and cross-heating of the elements in quiescent gas |
 //! | [`calibrate`] | from readings in known winds to a calibrated head |
+//! | [`current_ratio`] | ratio of the two currents of an element, from its ticks |
 //! | [`wind`] | wind estimates of a recording, and their errors |
 //! | [`gas`], [`gas_law`] | properties of carbon dioxide and air, and as polynomials for the board |
 //! | [`vector`] | scalar product, length, angle |
 
 pub mod calibrate;
 pub mod combine;
+pub mod current_ratio;
 pub mod gas;
 pub mod gas_law;
 pub mod head;

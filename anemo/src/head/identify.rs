@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::output::Failure;
+use crate::output::{Failure, warn};
 use crate::progress::progress;
 use anemometry::head::Head;
 use anemometry::network::NetworkReport;
@@ -95,6 +95,7 @@ pub fn identify_network(arguments: &IdentifyArguments) -> Result<(), Failure> {
     if let Some(path) = &arguments.output {
         model.write(path).map_err(Failure::work)?;
     }
+    model.warnings.iter().for_each(|warning| warn(warning));
     let mut report = NetworkReport::new(&model, network.as_ref());
     report.written.clone_from(&arguments.output);
     crate::output::print_report(&report, arguments.json)

@@ -3,6 +3,7 @@
 mod ambient;
 mod cli;
 mod combine;
+mod currents;
 mod examples;
 mod export;
 mod head;

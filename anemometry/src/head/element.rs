@@ -183,6 +183,11 @@ pub(super) fn element(
     let (platinum_kind, platinum_key) = keys.get("platinum", |table| table.platinum)?;
     let current_low_a = keys.number("current_low_a", |table| table.current_low_a)?;
     let current_high_a = keys.number("current_high_a", |table| table.current_high_a)?;
+    let nominal_high_a = match keys.get("current_high_nominal_a", |table| table.current_high_nominal_a) {
+        Ok((nominal_a, key)) => source.positive(&key, nominal_a, "A")?,
+        // What was not measured is what it was made for.
+        Err(_) => current_high_a,
+    };
     let limits = Limits {
         resistance_min_ohm: keys.number("resistance_min_ohm", |table| table.resistance_min_ohm)? as f32,
         resistance_max_ohm: keys.number("resistance_max_ohm", |table| table.resistance_max_ohm)? as f32,
@@ -201,7 +206,7 @@ pub(super) fn element(
         normal,
         layers,
         only_senses,
-        nominal: NominalElement { platinum: platinum_kind, current_low_a, current_high_a },
+        nominal: NominalElement { platinum: platinum_kind, current_low_a, current_high_a: nominal_high_a },
         config: ElementConfig { channel, limits },
     })
 }

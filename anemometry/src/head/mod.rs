@@ -8,7 +8,7 @@
 //! | `[adc]` | `full_scale_v` (the code's end), `bits` (two's complement, 8 … 24), optionally `compliance_v` (of the current sources) |
 //! | `[guard]` | `missing_limit_ticks`, `unreachable_limit_s`, `stuck_limit_ticks` |
 //! | `[kinds.…]` | defaults for the elements of that kind, which may be any word |
-//! | `[[elements]]` | `name`, optionally `kind` and `normal` (outward), `platinum`, `current_low_a`, `current_high_a`, `resistance_min_ohm`, `resistance_max_ohm`, `temperature_max_c`, optionally `layers` (0 … 3, between element and surface) |
+//! | `[[elements]]` | `name`, optionally `kind` and `normal` (outward), `platinum`, `current_low_a`, `current_high_a`, `resistance_min_ohm`, `resistance_max_ohm`, `temperature_max_c`, optionally `layers` (0 … 3, between element and surface) and `current_high_nominal_a` (where `current_high_a` is measured: what the source was made for, and the simulation is) |
 //! | `[body]` | optional, in place of `sensor`, see [`body`] |
 //! | `[calibration]` | optional, see [`calibration`] |
 //!
@@ -22,6 +22,7 @@
 //! | [`element`], [`nominal`] | an element of it, and its data sheet |
 //! | [`body`] | the table `[body]`: what simulates it |
 //! | [`calibration`] | the table `[calibration]`, read and written |
+//! | `currents` | a head with high currents that were measured |
 //! | [`output`] | bandwidth and interval of wind estimates |
 //! | [`setup`] | a calibration as commands of the board's anemometer |
 //! | [`table`] | the file as it is written |
@@ -30,6 +31,7 @@
 
 pub mod body;
 pub mod calibration;
+mod currents;
 pub mod element;
 pub mod error;
 pub mod file;

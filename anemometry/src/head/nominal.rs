@@ -27,6 +27,6 @@ pub struct NominalElement {
     pub platinum: PlatinumKind,
     /// Low level, A.
     pub current_low_a: f64,
-    /// High level, A.
+    /// High level as it was made, A; the controller's may be measured.
     pub current_high_a: f64,
 }

@@ -56,6 +56,7 @@ pub(super) struct ElementTable {
     pub platinum: Option<PlatinumKind>,
     pub current_low_a: Option<f64>,
     pub current_high_a: Option<f64>,
+    pub current_high_nominal_a: Option<f64>,
     pub resistance_min_ohm: Option<f64>,
     pub resistance_max_ohm: Option<f64>,
     pub temperature_max_c: Option<f64>,

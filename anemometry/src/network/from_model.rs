@@ -16,6 +16,7 @@ use dr_core::model::convection_observer::config::CROSS_ORDER;
 use super::error::NetworkError;
 use super::ladder::{cross_share, sections, share};
 use super::parameters::{CrossHeatingParameters, QuiescentNetwork, ReadingNoise, SelfHeatingParameters};
+use super::plausible::absurdities;
 use crate::head::element::HeadElement;
 use crate::head::file::Head;
 use diffusive::model::{Model, ModelOutput, Pair, Structure};
@@ -74,6 +75,9 @@ pub fn checked(model: &mut Model, head: Option<&Head>) -> Option<QuiescentNetwor
         Some(head) => QuiescentNetwork::of(model, head).map_err(|error| error.to_string()),
     };
     let network = network.map_err(|sentence| model.warnings.push(sentence)).ok();
+    if let (Some(network), Some(head)) = (&network, head) {
+        model.warnings.extend(absurdities(network, head, model.sample_period_s));
+    }
     model.supported = model.warnings.is_empty();
     network
 }

@@ -28,6 +28,7 @@ use dr_core::model::mesh;
 use rayon::prelude::*;
 
 use super::error::{NetworkError, NetworkIdentifyError};
+use super::plausible::residuals;
 use super::record::QuiescentRecord;
 use diffusive::identify::record::RecordTable;
 use diffusive::identify::{Constraints, DriftGiven, IdentifyOptions, InitialState, Progress, Signs, refine, symbol};
@@ -309,8 +310,11 @@ fn network(elements: &[String], rounds: Vec<IdentificationRound>) -> Result<Mode
         output.se_offset_c = apart;
         if !others.is_empty() {
             output.residual_rms = (others.iter().map(|rms| rms * rms).sum::<f64>() / others.len() as f64).sqrt();
+            let own = rounds.iter().find(|round| round.driven == *name).map(|round| &round.models[j].outputs[0]);
+            model.warnings.extend(own.and_then(|own| residuals(name, own.residual_rms, output.residual_rms)));
         }
     }
+    model.supported &= model.warnings.is_empty();
     model.offset_c = model.outputs[0].offset_c;
     model.residual_rms = model.outputs[0].residual_rms;
     model.chosen.reasons = pairs.iter().flat_map(|(_, model)| model.chosen.reasons.clone()).collect();
@@ -411,6 +415,25 @@ mod tests {
             power_w,
             temperature_c,
         }
+    }
+
+    #[test]
+    fn readings_that_jump_with_the_level_are_noticed() {
+        let model = |jump_k: f64| {
+            let read = |n: usize| {
+                let mut record = record_of_two(n, 1.0);
+                for row in 1..ROWS {
+                    if record.power_w[n][row - 1] > 0.05 {
+                        record.temperature_c[n][row] += jump_k;
+                    }
+                }
+                Ok(record)
+            };
+            identify(2, &read, PolesPerPair { own: 2, cross: 2 }, &mut |_, _, _| {}).unwrap()
+        };
+        assert!(model(0.0).supported);
+        let off = model(-0.05);
+        assert!(!off.supported && off.warnings[0].starts_with("film1: its record leaves "), "{:?}", off.warnings);
     }
 
     #[test]

@@ -10,6 +10,7 @@
 //! | [`observer`] | configurations for the board, of one bandwidth |
 //! | [`gain_schedule`], [`stability`], [`adaptive`] | configurations whose bandwidth rises after a jump of the wind, where that is stable |
 //! | [`report`] | a network as text and as JSON |
+//! | `plausible` | what a network shows if a ratio of currents is off |
 //! | [`error`] | what is refused |
 
 pub mod adaptive;
@@ -21,6 +22,7 @@ pub mod kalman;
 pub mod ladder;
 pub mod observer;
 pub mod parameters;
+mod plausible;
 pub mod record;
 pub mod report;
 pub mod riccati;

@@ -180,7 +180,7 @@ impl Experiment {
             support_swing: self.support_swing,
             elements: self.head.elements.iter().map(|element| element.nominal).collect(),
             volt_per_code: self.head.volt_per_code,
-            imperfections: self.imperfections,
+            imperfections: self.imperfections.clone(),
             wind: self.wind.clone(),
             faults: self.faults.clone(),
             field: self.field.clone(),

@@ -5,7 +5,7 @@
 //! | top | `title`, `head` and optionally `models` (paths from this file), `observe` (true or false), `host_timeout_s` (0 … 86 400), `sample_period_s` (0.001 … 1), `duration_s`, `seed` |
 //! | `[gas]` | `species` ("co2" or "air"), `pressure_pa`, `temperature_c`, and optionally `swing = { amplitude_k, period_s, start_s }`: a sine about that temperature, zero at its start, which is 0 if not given |
 //! | `[support]` | `temperature_c`; without it, the gas's |
-//! | `[front_end]` | `noise_v_rms`, `resistance_error_percent`, `coefficient_error_percent`, `current_error_percent`; 0 if not given |
+//! | `[front_end]` | `noise_v_rms`, `resistance_error_percent`, `coefficient_error_percent`, `current_error_percent`, and by element `current_ratio_error_ppm = { … }`; 0 if not given |
 //! | `[currents]` | one line an element whose levels are not the head's: `{ low_a, high_a }` |
 //! | `[wind_output]` | for a head with a calibration: `bandwidth_hz` (0.5 … 50, 2 if not given) of the convective powers, `interval_s` (0.01 or a tick if not given), `fixed` (true keeps the bandwidth when the wind jumps); the older `[answer]` with `every_s` is read as well |
 //! | `[drives]` | one line an element; one without is passive |

@@ -65,6 +65,13 @@ impl Experiment {
             currents.push(place);
         }
         currents.sort_unstable();
+        for name in table.front_end.current_ratio_error_ppm.keys() {
+            if !head.names().contains(&name.as_str()) {
+                let hint = suggest(name, head.names().into_iter());
+                let key = format!("front_end.current_ratio_error_ppm.{name}");
+                return Err(source.refuse(&key, format!("is no element of head `{}`; {hint}", head.name)));
+            }
+        }
         of_one_gas(&source, &head, table.gas.species)?;
         let models = table.models.map(|path| Models::read(&folder.join(path), &head)).transpose();
         let models = models.map_err(place("models"))?;

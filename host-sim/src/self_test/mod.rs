@@ -1,6 +1,7 @@
 //! Self-tests of an instrument: started, waited for and reported. [`dr_core::control::self_test`]
 //! defines what is tested.
 
+pub mod currents;
 pub mod report;
 
 use dr_core::Command;

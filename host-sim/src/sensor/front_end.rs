@@ -8,7 +8,14 @@
 //!
 //! The true resistors and currents differ from the nominal ones by seeded errors, drawn once: R0,
 //! its temperature coefficient and either current of every element, each normal with the standard
-//! deviation asked for. The controller only knows the nominal values.
+//! deviation asked for. The high current of an element can be off by a known error ε besides, which
+//! is one of the ratio of its currents:
+//!
+//! ```text
+//! I_high / I_low = (1 + ε) · ratio of the drawn currents,    ε = 10⁻⁶ current_ratio_error_ppm
+//! ```
+//!
+//! The controller only knows the head's values.
 //!
 //! Faults: an open element drives its current source to the rail, so the code is positive full
 //! scale; a shorted one leaves only the noise. Neither takes any heat.
@@ -17,6 +24,8 @@
 //! 24-bit steps.
 
 use dr_core::sensor::platinum::Platinum;
+
+use std::collections::BTreeMap;
 
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -31,7 +40,7 @@ pub const LOWEST_CODE: i32 = -0x80_0000;
 
 /// Imperfections of the front end; all zero by default. Errors are standard deviations in percent
 /// of the nominal value.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Imperfections {
     /// Noise of the converter's input, V rms.
@@ -42,7 +51,13 @@ pub struct Imperfections {
     pub coefficient_error_percent: f64,
     /// Of either current, %.
     pub current_error_percent: f64,
+    /// By element, of the true ratio of its high to its low current, ppm of the nominal ratio.
+    pub current_ratio_error_ppm: BTreeMap<String, f64>,
 }
+
+/// Greatest error of a ratio that can be simulated, ppm: the 2 % by which a sensor board's high
+/// current may differ.
+const RATIO_ERROR_MOST_PPM: f64 = 20_000.0;
 
 /// How a resistor breaks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
@@ -77,9 +92,10 @@ pub struct SimulatedFrontEnd {
 }
 
 impl SimulatedFrontEnd {
-    /// `tolerances` draws the errors of the elements, `noise` the noise of every sample.
+    /// `elements` are names and data sheets; `tolerances` draws their errors, `noise` the noise of
+    /// every sample.
     pub fn new(
-        elements: &[NominalElement],
+        elements: &[(&str, NominalElement)],
         volt_per_code: f64,
         imperfections: &Imperfections,
         mut tolerances: ChaCha8Rng,
@@ -89,10 +105,12 @@ impl SimulatedFrontEnd {
         require(positive, "volt_per_code", volt_per_code, "more than 0")?;
         imperfections.check()?;
         let mut made = Vec::with_capacity(elements.len());
-        for (i, element) in elements.iter().enumerate() {
+        for (i, (name, element)) in elements.iter().enumerate() {
             // All four are always drawn, so that asking for one error does not change the others.
             let errors: [f64; 4] = std::array::from_fn(|_| StandardNormal.sample(&mut tolerances));
-            made.push(FrontEndChannel::new(element, imperfections, errors, i)?);
+            let mut channel = FrontEndChannel::new(element, imperfections, errors, i)?;
+            channel.current_a[1] *= 1.0 + 1e-6 * imperfections.current_ratio_error_ppm.get(*name).unwrap_or(&0.0);
+            made.push(channel);
         }
         Ok(SimulatedFrontEnd {
             noise_v: vec![0.0; made.len()],
@@ -168,7 +186,11 @@ impl Imperfections {
             ("front_end.current_error_percent", self.current_error_percent),
         ];
         all.into_iter()
-            .try_for_each(|(key, value)| require(value.is_finite() && value >= 0.0, key, value, "zero or more"))
+            .try_for_each(|(key, value)| require(value.is_finite() && value >= 0.0, key, value, "zero or more"))?;
+        self.current_ratio_error_ppm.iter().try_for_each(|(name, &ppm)| {
+            let key = format!("front_end.current_ratio_error_ppm.{name}");
+            require(ppm.abs() <= RATIO_ERROR_MOST_PPM, &key, ppm, "-20000 to 20000")
+        })
     }
 }
 
@@ -232,7 +254,8 @@ mod tests {
 
     fn front_end(imperfections: Imperfections, seed: u64) -> SimulatedFrontEnd {
         let (tolerances, noise) = (ChaCha8Rng::seed_from_u64(seed), ChaCha8Rng::seed_from_u64(seed + 1000));
-        SimulatedFrontEnd::new(&[NOMINAL; ELEMENTS], VOLT_PER_CODE, &imperfections, tolerances, noise).unwrap()
+        SimulatedFrontEnd::new(&[("film", NOMINAL); ELEMENTS], VOLT_PER_CODE, &imperfections, tolerances, noise)
+            .unwrap()
     }
 
     fn sample(front_end: &mut SimulatedFrontEnd, temperature_c: f64, heaters: usize) -> [i32; ELEMENTS] {
@@ -323,10 +346,29 @@ mod tests {
     }
 
     #[test]
+    fn an_error_of_the_ratio_is_one_of_the_high_current_alone() {
+        let off = |ppm: f64| Imperfections {
+            current_error_percent: 0.1,
+            current_ratio_error_ppm: [("film".to_owned(), ppm)].into(),
+            ..Imperfections::default()
+        };
+        let ratio = |heaters| {
+            let power_w = |ppm| power_w(&front_end(off(ppm), 5), 2, 0.0, heaters);
+            power_w(1000.0) / power_w(0.0)
+        };
+        assert_eq!(ratio(0), 1.0);
+        // The power goes with the square of the current.
+        assert!((ratio(ALL_HIGH) - 1.001 * 1.001).abs() < 1e-12);
+        let none = Imperfections { current_error_percent: 0.1, ..Imperfections::default() };
+        let power_w = |imperfections| power_w(&front_end(imperfections, 5), 2, 0.0, ALL_HIGH).to_bits();
+        assert_eq!(power_w(none), power_w(off(0.0)));
+    }
+
+    #[test]
     fn refuses_impossible_values_by_name() {
         let new = |element: NominalElement, imperfections: Imperfections| {
             let rng = || ChaCha8Rng::seed_from_u64(1);
-            SimulatedFrontEnd::new(&[element; ELEMENTS], VOLT_PER_CODE, &imperfections, rng(), rng())
+            SimulatedFrontEnd::new(&[("film", element); ELEMENTS], VOLT_PER_CODE, &imperfections, rng(), rng())
                 .unwrap_err()
                 .to_string()
         };
@@ -334,6 +376,9 @@ mod tests {
         assert!(new(swapped, Imperfections::default()).contains("current"));
         let noise = Imperfections { noise_v_rms: f64::NAN, ..Imperfections::default() };
         assert!(new(NOMINAL, noise).contains("front_end.noise_v_rms"));
+        let ratio = [("film".to_owned(), 30_000.0)].into();
+        let ratio = Imperfections { current_ratio_error_ppm: ratio, ..Imperfections::default() };
+        assert!(new(NOMINAL, ratio).contains("front_end.current_ratio_error_ppm.film"));
         let platinum = PlatinumKind::Linear { resistance_0c_ohm: -1.0, coefficient_per_c: 0.0031 };
         assert!(new(NominalElement { platinum, ..NOMINAL }, Imperfections::default()).contains("resistance_0c_ohm"));
     }

@@ -63,13 +63,10 @@ impl Sensor {
             rng
         };
         let wind = SimulatedWind::new(&config.wind, sample_period_s, stream(0))?;
-        let front_end = SimulatedFrontEnd::new(
-            &config.elements,
-            config.volt_per_code,
-            &config.imperfections,
-            stream(1),
-            stream(2),
-        )?;
+        let parts = config.construction.elements();
+        let elements: Vec<_> = parts.iter().map(|part| part.name.as_str()).zip(config.elements.clone()).collect();
+        let front_end =
+            SimulatedFrontEnd::new(&elements, config.volt_per_code, &config.imperfections, stream(1), stream(2))?;
         let mut body = config.construction.body(&gas, config.support_temperature_c + ZERO_CELSIUS_K, config.seed)?;
         let field = AppliedField::new(&config.field, &config.construction, &mut body)?;
         if let Some(swing) = &config.gas_swing {

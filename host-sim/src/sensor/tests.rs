@@ -41,6 +41,7 @@ fn config() -> SensorConfig {
         resistance_error_percent: 0.1,
         coefficient_error_percent: 0.1,
         current_error_percent: 0.1,
+        ..Imperfections::default()
     };
     SensorConfig { seed: 7, wind: breeze(), imperfections, ..SensorConfig::default() }
 }
