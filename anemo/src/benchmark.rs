@@ -9,6 +9,7 @@ use crate::progress::announce;
 use anemometry::head::Head;
 use diffusive::identify::rig::{DriftFigures, DriftReport, RoomDrift, campaign};
 use recording::utc;
+use studies::benchmark::field;
 use studies::benchmark::heads;
 use studies::benchmark::measured;
 use studies::benchmark::modes;
@@ -31,6 +32,10 @@ use studies::benchmark::wind::{self, BenchmarkReport, page};
 /// follows a step of the wind, how much creeps after, and what a gas or support 10 K warmer does to
 /// the speed. Numbers that the head's file marks as unknown are varied over their range.
 ///
+/// `field`: sphere B, calibrated in a quiet tunnel, under sun and sky, with drifts, in another gas,
+/// with buoyancy and a cooled stem: how wrong the wind is, and whether the estimates say so. Four
+/// minutes a specimen.
+///
 /// `heads`: heads of every form as `anemo head new` writes them, from nothing to wind: identified,
 /// calibrated, and judged in winds that they have not seen; or in their place those of --head, in
 /// every mode.
@@ -42,15 +47,19 @@ Examples:
   anemo benchmark drift --records 50
   anemo benchmark measured --tables records
   anemo benchmark modes --head heads/sphere-b.toml -o out
+  anemo benchmark field --specimens 20 -o out
   anemo benchmark heads --winds 30 -o out
   anemo benchmark heads --head heads/metwind.toml --overheat 20 -o out")]
 pub struct Arguments {
     /// What is measured.
-    #[arg(value_name = "wind|drift|measured|modes|heads")]
+    #[arg(value_name = "wind|drift|measured|modes|field|heads")]
     name: BenchmarkName,
     /// Records of each kind of drift.
     #[arg(long, value_name = "COUNT", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..))]
     records: u64,
+    /// Specimens of sphere B for field.
+    #[arg(long, value_name = "COUNT", default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    specimens: u64,
     /// The folder for the page, which is written anew.
     #[arg(short, long, value_name = "FOLDER", default_value = "docs/results")]
     output: PathBuf,
@@ -86,6 +95,7 @@ enum BenchmarkName {
     Drift,
     Measured,
     Modes,
+    Field,
     Heads,
 }
 
@@ -95,6 +105,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         BenchmarkName::Drift => drift_benchmark(arguments),
         BenchmarkName::Measured => measured_benchmark(arguments),
         BenchmarkName::Modes => modes_benchmark(arguments),
+        BenchmarkName::Field => field_benchmark(arguments),
         BenchmarkName::Heads => heads_benchmark(arguments),
     }
 }
@@ -141,6 +152,13 @@ fn modes_benchmark(arguments: &Arguments) -> Result<(), Failure> {
         crate::output::print_report(&report, arguments.json)?;
     }
     failed
+}
+
+fn field_benchmark(arguments: &Arguments) -> Result<(), Failure> {
+    crate::output::is_experiments(&arguments.experiments)?;
+    let report = field::measure(&arguments.experiments, arguments.specimens, &announce)?;
+    dated(&arguments.output, "field.md", &|day| report.page(day))?;
+    crate::output::print_report(&report, arguments.json)
 }
 
 /// Heads of every kind, or those that are given, in a folder that goes again.

@@ -59,7 +59,8 @@ pub struct Coverage {
 }
 
 impl Coverage {
-    fn add(&mut self, holds: bool) {
+    /// Counts one.
+    pub fn add(&mut self, holds: bool) {
         self.count += 1;
         self.held += u64::from(holds);
     }

@@ -30,12 +30,29 @@ pub fn network(
     poles: PolesPerPair,
     duration_s: Option<f64>,
 ) -> Result<Model, StudyError> {
-    let mut records = Vec::with_capacity(elements.len());
+    let mut experiments = Vec::with_capacity(elements.len());
     for element in elements {
         let mut experiment = lab.experiment(&format!("identify-{element}"))?;
         if let Some(duration_s) = duration_s {
             experiment.ticks = (duration_s / experiment.sample_period_s).round() as u32;
         }
+        experiments.push(experiment);
+    }
+    network_of(lab, experiments, elements, poles)
+}
+
+/// The same from these records.
+///
+/// # Errors
+/// As [`network`].
+pub fn network_of(
+    lab: &StudyLab,
+    experiments: Vec<Experiment>,
+    elements: &[&str],
+    poles: PolesPerPair,
+) -> Result<Model, StudyError> {
+    let mut records = Vec::with_capacity(experiments.len());
+    for experiment in experiments {
         lab.announce(&experiment);
         let wanted: Vec<String> = elements.iter().map(|&name| name.to_owned()).collect();
         records.push(recorded(&experiment)?.only(&wanted).map_err(other)?);
