@@ -33,8 +33,8 @@ use studies::benchmark::wind::{self, BenchmarkReport, page};
 /// the speed. Numbers that the head's file marks as unknown are varied over their range.
 ///
 /// `field`: sphere B, calibrated in a quiet tunnel, under sun and sky, with drifts, in another gas,
-/// with buoyancy and a cooled stem: how wrong the wind is, and whether the estimates say so. Four
-/// minutes a specimen.
+/// with buoyancy and a cooled stem: how wrong the wind is, and whether the estimates say so. Half a
+/// minute a specimen.
 ///
 /// `heads`: heads of every form as `anemo head new` writes them, from nothing to wind: identified,
 /// calibrated, and judged in winds that they have not seen; or in their place those of --head, in

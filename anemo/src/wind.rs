@@ -30,8 +30,8 @@ Examples:
       --gas-temperature 21 --pressure 24000
 
 Quality flags: failed, refused, degraded, ambiguous, undetermined, no-direction, extrapolated, \
-uncalibrated, no-gas, not-running, saturated, starting, cold, inconsistent; in the table \
-the sum of 1, 2, 4 … 8192 in this order.")]
+uncalibrated, no-gas, not-running, saturated, starting, cold, inconsistent, \
+below-calibration; in the table the sum of 1, 2, 4 … 16384 in this order.")]
 pub struct Arguments {
     /// The recording: a .parquet or .csv file.
     recording: PathBuf,

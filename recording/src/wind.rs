@@ -21,6 +21,7 @@
 //! | 16 | undetermined: the head does not resolve all directions | 2048 | starting |
 //! | 32 | no-direction | 4096 | cold: a surface is no warmer than the gas |
 //! | 64 | extrapolated: beyond the calibration | 8192 | inconsistent: measurements contradict each other |
+//! | | | 16384 | below-calibration: slower than its slowest wind |
 //!
 //! Numbers are missing in rows without an estimate, and those of the wind where it failed.
 

@@ -40,7 +40,7 @@ use crate::model::convection_observer::{
     ConvectionEstimate, ConvectionObserver, ConvectionObserverState, NO_SUCH_ELEMENT, TickInput,
 };
 use crate::room::room;
-use crate::wind::calibration_uncertainty::SpeedScale;
+use crate::wind::calibration_uncertainty::{ContradictionMemory, SpeedScale};
 use crate::wind::estimate::WindEstimate;
 use crate::wind::form::MOST_SURFACES;
 use crate::wind::gas::GasState;
@@ -113,6 +113,7 @@ struct AnemometerState<const N: usize> {
     /// Smoothed powers, W.
     power_w: [f32; N],
     wind: WindState,
+    contradictions: ContradictionMemory,
 }
 
 impl<const N: usize> Default for AnemometerState<N> {
@@ -128,6 +129,7 @@ impl<const N: usize> Default for AnemometerState<N> {
             gas_c: None,
             power_w: [0.0; N],
             wind: WindState::default(),
+            contradictions: ContradictionMemory::default(),
         }
     }
 }
@@ -209,8 +211,11 @@ impl<const N: usize> Anemometer<N> {
         if !tick.tick.is_multiple_of(u32::from(output.config.output_interval_ticks)) {
             return None;
         }
-        let (report, wind) = self.report(output, tick, convection.as_ref());
+        let (mut report, wind) = self.report(output, tick, convection.as_ref());
         self.state.wind = wind;
+        if self.setup.uncertainty.is_some() {
+            report.quality_flags = self.state.contradictions.with(report.quality_flags, output.memory_gain);
+        }
         Some(report)
     }
 

@@ -5,8 +5,9 @@
 //!
 //! ```text
 //! C = C_n + w² ( s² ê êᵀ + d² (1 − ê êᵀ) )      w = max(v, v_least)
-//! χ² = χ_n² / (1 + mean_i κ² G_i² / σ_i²)       flagged `inconsistent` beyond χ²_most
-//! C ← C (χ²/ν) (1 + 3/ν)                          if flagged
+//! χ² = χ_n² / (1 + mean_i κ² G_i² / σ_i²)       contradicted beyond χ²_most
+//! m ← m + g (1 − m) if contradicted, else m − g m
+//! C ← C (χ²/ν) (1 + 3/ν)                          if contradicted
 //! ```
 //!
 //! | symbol | meaning | unit |
@@ -16,11 +17,17 @@
 //! | s, d, κ | shares of speed, direction and conductances at the wind's Reynolds number | 1, rad, 1 |
 //! | G_i, σ_i² | conductance of a surface, its variance by the noise | W/K, W²/K² |
 //! | ν | conductances less unknowns | 1 |
+//! | m, g | share of contradicted estimates, remembered for five minutes; weight of one | 1 |
 //!
 //! Between the [`KNOTS`] Reynolds numbers s, d and κ are linear in log Re, beyond them constant.
 //! What contradicts is known by ν numbers only, often by one, and the wind may miss more than these
 //! show, hence the last factor: with it 95 % intervals hold some 85 % of winds with the gain of one
 //! sector off by 5 %, without it 63 %.
+//!
+//! Which winds show a fault depends on where they come from, so the flag `inconsistent` stays while
+//! more than a twentieth of the remembered estimates were contradicted. Starting and saturated ones
+//! are not remembered. Winds that are slower than all of the calibration, and not still, are flagged
+//! `below-calibration`.
 //!
 //! *Limits.* The errors of gas and pressure are not in it.
 
@@ -36,6 +43,38 @@ pub const KNOTS: usize = 4;
 
 /// What few numbers leave open of the size of a contradiction.
 const BY_FEW: f32 = 3.0;
+
+/// Speeds of fewer standard uncertainties are none.
+const STILL: f32 = 2.0;
+/// How long contradictions are remembered, s.
+pub const MEMORY_S: f32 = 300.0;
+/// Share of them from which on the flag stays.
+const MOST_CONTRADICTED: f32 = 0.05;
+
+/// Contradictions of the last minutes.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ContradictionMemory {
+    share: f32,
+}
+
+impl ContradictionMemory {
+    /// Remembers the flags of an estimate, whose weight is `gain`; returns them with what is
+    /// remembered.
+    pub fn with(&mut self, flags: QualityFlags, gain: f32) -> QualityFlags {
+        let not_counted = [
+            QualityFlags::FAILED,
+            QualityFlags::STARTING,
+            QualityFlags::NOT_RUNNING,
+            QualityFlags::SATURATED,
+            QualityFlags::NO_GAS,
+        ];
+        if !not_counted.iter().any(|&flag| flags.has(flag)) {
+            let now = if flags.has(QualityFlags::INCONSISTENT) { 1.0 } else { 0.0 };
+            self.share += gain * (now - self.share);
+        }
+        flags.with(QualityFlags::INCONSISTENT, self.share > MOST_CONTRADICTED)
+    }
+}
 
 /// What turns speeds into Reynolds numbers of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -121,16 +160,20 @@ impl CalibrationUncertainty {
             }
         }
         let across_rad = if wind.speed_m_s > 0.0 { across_m_s / wind.speed_m_s } else { PI };
+        let speed_error_m_s = sqrt(wider * (square(wind.speed_error_m_s) + square(along_m_s)));
+        let is_still = wind.speed_m_s < STILL * speed_error_m_s;
+        let is_below = wind.speed_m_s + speed_error_m_s < scale.reynolds[0] / scale.per_speed;
         let direction_error_rad = sqrt(wider * (square(wind.direction_error_rad) + square(across_rad))).min(PI);
         let no_direction = direction_error_rad > direction_error_max_rad;
         WindEstimate {
             covariance_m2_s2,
-            speed_error_m_s: sqrt(wider * (square(wind.speed_error_m_s) + square(along_m_s))),
+            speed_error_m_s,
             direction_error_rad,
             chi_square,
             quality: wind
                 .quality
                 .with(QualityFlags::INCONSISTENT, is_inconsistent)
+                .with(QualityFlags::BELOW_CALIBRATION, is_below && !is_still)
                 .with(QualityFlags::NO_DIRECTION, no_direction),
             ..wind
         }

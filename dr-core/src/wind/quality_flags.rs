@@ -34,12 +34,13 @@ impl QualityFlags {
     pub const STARTING: Self = Self(1 << 11);
     /// The overheat of a surface is too small; it was left out.
     pub const COLD: Self = Self(1 << 12);
-
     /// The measurements contradict each other, by more than the calibration explains.
     pub const INCONSISTENT: Self = Self(1 << 13);
+    /// Slower than the slowest wind of the calibration, but not still.
+    pub const BELOW_CALIBRATION: Self = Self(1 << 14);
 
     /// All flags with their names, in the order of their bits.
-    pub const NAMES: [(Self, &'static str); 14] = [
+    pub const NAMES: [(Self, &'static str); 15] = [
         (Self::FAILED, "failed"),
         (Self::REFUSED, "refused"),
         (Self::DEGRADED, "degraded"),
@@ -54,6 +55,7 @@ impl QualityFlags {
         (Self::STARTING, "starting"),
         (Self::COLD, "cold"),
         (Self::INCONSISTENT, "inconsistent"),
+        (Self::BELOW_CALIBRATION, "below-calibration"),
     ];
 
     /// Whether all flags of `other` are set.

@@ -67,7 +67,7 @@ impl Experiment {
         currents.sort_unstable();
         for name in table.front_end.current_ratio_error_ppm.keys() {
             if !head.names().contains(&name.as_str()) {
-                let hint = suggest(name, head.names().into_iter());
+                let hint = suggest(name, head.names());
                 let key = format!("front_end.current_ratio_error_ppm.{name}");
                 return Err(source.refuse(&key, format!("is no element of head `{}`; {hint}", head.name)));
             }

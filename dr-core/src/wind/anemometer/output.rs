@@ -23,4 +23,6 @@ pub struct PreparedOutput {
     pub reference_timeout_ticks: u32,
     pub saturated_ticks: u32,
     pub starting_ticks: u32,
+    /// Weight of an estimate in the memory of contradictions.
+    pub memory_gain: f32,
 }

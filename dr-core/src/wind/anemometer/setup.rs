@@ -5,7 +5,7 @@ use super::head_inverse::HeadInverse;
 use super::output::{PreparedOutput, READING_TIMEOUT_S, REFERENCE_TIMEOUT_S, SATURATED_S, STARTING};
 use crate::error::{self, ConfigError, Parameter, ParameterProblem};
 use crate::model::mesh;
-use crate::wind::calibration_uncertainty::CalibrationUncertainty;
+use crate::wind::calibration_uncertainty::{CalibrationUncertainty, MEMORY_S};
 use crate::wind::card_inverse::{Card, CardConfig, DICE};
 use crate::wind::form::{HeadForm, MOST_SURFACES};
 use crate::wind::gas_law::GasLaw;
@@ -88,6 +88,7 @@ impl AnemometerSetup {
             reference_timeout_ticks: ticks(REFERENCE_TIMEOUT_S),
             saturated_ticks: ticks(SATURATED_S),
             starting_ticks: ticks(STARTING * config.smoothing_s[1]),
+            memory_gain: (f32::from(config.output_interval_ticks) * period_s / MEMORY_S).min(1.0),
             config: *config,
         })
     }

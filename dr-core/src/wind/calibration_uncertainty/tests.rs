@@ -98,3 +98,37 @@ fn shares_that_cannot_be_are_refused() {
     assert!(CalibrationUncertainty { chi_square_most: 0.5, ..SHARES }.checked().is_err());
     assert_eq!(SHARES.checked(), Ok(SHARES));
 }
+
+#[test]
+fn what_was_contradicted_a_minute_ago_is_still_flagged() {
+    let (good, bad) = (QualityFlags::default(), QualityFlags::INCONSISTENT);
+    let mut memory = ContradictionMemory::default();
+    // Ten estimates a second: one of a hundred that is contradicted by chance, then a fault that one
+    // wind in ten shows.
+    let gain = 0.1 / MEMORY_S;
+    let flagged = |memory: &mut ContradictionMemory, every: u32, count: u32| {
+        let of = |n: u32| if n.is_multiple_of(every) { bad } else { good };
+        (0..count).filter(|&n| memory.with(of(n), gain).has(bad)).count()
+    };
+    assert_eq!(flagged(&mut memory, 100, 30_000), 300, "by chance, each by itself");
+    flagged(&mut memory, 10, 9_000);
+    assert_eq!(flagged(&mut memory, 10, 3_000), 3_000);
+    // It is forgotten, but not by estimates that do not count.
+    flagged(&mut memory, u32::MAX, 1);
+    let before = memory;
+    memory.with(QualityFlags::STARTING, gain);
+    memory.with(QualityFlags(bad.0 | QualityFlags::SATURATED.0), gain);
+    assert_eq!(memory, before);
+    for _ in 0..9_000 {
+        memory.with(good, gain);
+    }
+    assert_eq!(memory.with(good, gain), good);
+}
+
+#[test]
+fn winds_slower_than_all_of_the_calibration_are_flagged_and_quiescent_gas_is_not() {
+    let at = |speed: f32| SHARES.added_to(wind([speed, 0.0, 0.0], 0.5), &measured(1.0), &SCALE, MOST_RAD).quality;
+    for (speed, is_below) in [(0.01, false), (0.3, true), (0.9, true), (0.99, false), (1.5, false)] {
+        assert_eq!(at(speed).has(QualityFlags::BELOW_CALIBRATION), is_below, "{speed} m/s");
+    }
+}
