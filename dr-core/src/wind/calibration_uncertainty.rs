@@ -25,8 +25,9 @@
 //! sector off by 5 %, without it 63 %.
 //!
 //! Which winds show a fault depends on where they come from, so the flag `inconsistent` stays while
-//! more than a twentieth of the remembered estimates were contradicted. Starting and saturated ones
-//! are not remembered. Winds that are slower than all of the calibration, and not still, are flagged
+//! more than a quarter of the remembered estimates were contradicted; a wind that jumps contradicts
+//! itself for a moment, too. Starting and saturated ones, and those of still or slow gas, are not
+//! remembered. Winds that are slower than all of the calibration, and not still, are flagged
 //! `below-calibration`.
 //!
 //! *Limits.* The errors of gas and pressure are not in it.
@@ -49,7 +50,7 @@ const STILL: f32 = 2.0;
 /// How long contradictions are remembered, s.
 pub const MEMORY_S: f32 = 300.0;
 /// Share of them from which on the flag stays.
-const MOST_CONTRADICTED: f32 = 0.05;
+const MOST_CONTRADICTED: f32 = 0.25;
 
 /// Contradictions of the last minutes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -63,6 +64,8 @@ impl ContradictionMemory {
     pub fn with(&mut self, flags: QualityFlags, gain: f32) -> QualityFlags {
         let not_counted = [
             QualityFlags::FAILED,
+            QualityFlags::NO_DIRECTION,
+            QualityFlags::BELOW_CALIBRATION,
             QualityFlags::STARTING,
             QualityFlags::NOT_RUNNING,
             QualityFlags::SATURATED,

@@ -103,16 +103,16 @@ fn shares_that_cannot_be_are_refused() {
 fn what_was_contradicted_a_minute_ago_is_still_flagged() {
     let (good, bad) = (QualityFlags::default(), QualityFlags::INCONSISTENT);
     let mut memory = ContradictionMemory::default();
-    // Ten estimates a second: one of a hundred that is contradicted by chance, then a fault that one
-    // wind in ten shows.
+    // Ten estimates a second: one of ten that is contradicted by chance or by jumps of the wind, then
+    // a fault that every other wind shows.
     let gain = 0.1 / MEMORY_S;
     let flagged = |memory: &mut ContradictionMemory, every: u32, count: u32| {
         let of = |n: u32| if n.is_multiple_of(every) { bad } else { good };
         (0..count).filter(|&n| memory.with(of(n), gain).has(bad)).count()
     };
-    assert_eq!(flagged(&mut memory, 100, 30_000), 300, "by chance, each by itself");
-    flagged(&mut memory, 10, 9_000);
-    assert_eq!(flagged(&mut memory, 10, 3_000), 3_000);
+    assert_eq!(flagged(&mut memory, 10, 30_000), 3_000, "by chance, each by itself");
+    flagged(&mut memory, 2, 9_000);
+    assert_eq!(flagged(&mut memory, 2, 3_000), 3_000);
     // It is forgotten, but not by estimates that do not count.
     flagged(&mut memory, u32::MAX, 1);
     let before = memory;
