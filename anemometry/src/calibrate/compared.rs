@@ -21,11 +21,7 @@ pub struct StatedError {
 
 impl StatedError {
     /// Of an estimate from these conductances.
-    pub fn of(
-        estimate: &WindEstimate,
-        measured: &[Option<MeasuredConductance>],
-        is_extrapolated: bool,
-    ) -> Self {
+    pub fn of(estimate: &WindEstimate, measured: &[Option<MeasuredConductance>], is_extrapolated: bool) -> Self {
         Self {
             speed_u: f64::from(estimate.speed_error_m_s / estimate.speed_m_s),
             direction_u_rad: estimate.direction_error_rad.into(),

@@ -1,8 +1,8 @@
 //! What a calibration adds to the uncertainty of winds.
 //!
 //! At each of the [`KNOTS`] Reynolds numbers, from left-out winds around it: s and d where a region
-//! of directions was left out, κ and χ²_most where every n-th wind was. Without a whole region of fast
-//! winds conductances are missed by ten times as much as the calibration does in the end, and
+//! of directions was left out, κ and χ²_most where every n-th wind was. Without a whole region of
+//! fast winds conductances are missed by ten times as much as the calibration does in the end, and
 //! nothing would contradict it. Winds at the ends for which a fold had to extrapolate do not count.
 //!
 //! ```text
@@ -20,7 +20,7 @@
 //! | χ_n², ν, p | χ² by the noise, conductances less unknowns, mean of (G/σ)² | 1 |
 //!
 //! Winds count for a knot by their distance from it in log Re: fully on it, not at all at the next.
-//! A knot with fewer than [`LEAST_WINDS`] takes all winds. The shares are those of
+//! A knot with fewer than four winds takes all of them. The shares are those of
 //! [`dr_core::wind::calibration_uncertainty`].
 
 use dr_core::wind::calibration_uncertainty::{KNOTS, SpeedScale};

@@ -15,7 +15,7 @@ use crate::vector::{across, angle_deg, length};
 /// Winds slower than this have no direction to speak of, and no relative speed, m/s.
 pub const SLOWEST_M_S: f64 = 0.3;
 
-/// Half a 95 % interval in standard uncertainties: of one number, and of a direction about two axes.
+/// Half a 95 % interval in standard uncertainties: of a number, and of a direction about two axes.
 const ONE_AXIS: f64 = 1.96;
 const TWO_AXES: f64 = 2.45;
 

@@ -19,8 +19,8 @@ use dr_core::model::{
 use dr_core::sensor::{Channel, Level, Platinum, Reading};
 use dr_core::signal::{Decimator, DecimatorState, Prbs, SigmaDelta};
 use dr_core::wind::{
-    self, GasLawConfig, GasState, HeadForm, HeadSurface, MOST_SURFACES, MeasuredConductance, NusseltConfig,
-    WindCommand, WindEstimate, WindOutputConfig, WindState, WindTick, WindVector,
+    self, CalibrationUncertainty, GasLawConfig, GasState, HeadForm, HeadSurface, MOST_SURFACES, MeasuredConductance,
+    NusseltConfig, WindCommand, WindEstimate, WindOutputConfig, WindState, WindTick, WindVector,
 };
 use dr_core::{Command, Instrument};
 // For the table of interrupts, of which none is used.
@@ -289,6 +289,12 @@ fn anemometer() -> Option<()> {
         most_c: 100.0,
         viscosity_pa_s: [11.05e-6, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
         conductivity_w_m_k: [10.84e-3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    })))?;
+    send(Command::Wind(WindCommand::Uncertainty(CalibrationUncertainty {
+        conductance_share: [1e-3; 4],
+        speed_share: [2e-3; 4],
+        direction_rad: [2e-3; 4],
+        chi_square_most: 7.0,
     })))?;
     send(Command::Wind(WindCommand::Output(WindOutputConfig {
         surfaces: PARTS,

@@ -329,18 +329,18 @@ mod tests {
 
     #[test]
     fn errors_of_the_elements_have_the_spread_asked_for_and_follow_the_seed() {
-        let imperfections = Imperfections { resistance_error_percent: 0.5, ..Imperfections::default() };
+        let imperfections = || Imperfections { resistance_error_percent: 0.5, ..Imperfections::default() };
         let count = 2000;
         let mut sum = 0.0;
         for seed in 0..count {
-            let front_end = front_end(imperfections, seed);
+            let front_end = front_end(imperfections(), seed);
             let resistance = power_w(&front_end, 0, 0.0, ALL_HIGH) / (16e-3 * 16e-3);
             sum += (resistance / 175.0 - 1.0).powi(2);
         }
         let spread = (sum / count as f64).sqrt();
         // Four standard errors of a standard deviation.
         assert!((spread / 0.005 - 1.0).abs() < 4.0 / (2.0 * count as f64).sqrt(), "{spread}");
-        let power = |seed| power_w(&front_end(imperfections, seed), 3, 10.0, ALL_HIGH).to_bits();
+        let power = |seed| power_w(&front_end(imperfections(), seed), 3, 10.0, ALL_HIGH).to_bits();
         assert_eq!(power(7), power(7));
         assert_ne!(power(7), power(8));
     }

@@ -9,8 +9,8 @@ use std::path::Path;
 
 use anemometry::head::Head;
 use anemometry::network::identify::PolesPerPair;
-use anemometry::wind::comparison::{Coverage, SLOWEST_M_S, WindComparison};
 use anemometry::vector::{angle_deg, length};
+use anemometry::wind::comparison::{Coverage, SLOWEST_M_S, WindComparison};
 use anemometry::wind::off_line::axes;
 use dr_core::wind::QualityFlags;
 use host_sim::experiment::Experiment;
@@ -28,8 +28,8 @@ const SEED: u64 = 41;
 /// Left out of every wind of the short tunnel, and of every wind that is judged, s.
 const TUNNEL_SETTLE_S: f64 = 10.0;
 const SETTLE_S: f64 = 5.0;
-/// Speeds off by so many standard uncertainties, and angles about two axes by so many, are by chance
-/// in 0.3 % of cases.
+/// Speeds off by so many standard uncertainties, and angles about two axes by so many, are by
+/// chance in 0.3 % of cases.
 const BEYOND: f64 = 3.0;
 const BEYOND_OF_TWO: f64 = 3.44;
 
@@ -113,8 +113,8 @@ impl EffectTally {
     }
 }
 
-/// Measures all effects on so many specimens; `experiments` is the folder of those of the wind, with
-/// those of the field beside it.
+/// Measures all effects on so many specimens; `experiments` is the folder of those of the wind,
+/// with those of the field beside it.
 ///
 /// # Errors
 /// What could not be run, identified or calibrated.
@@ -158,7 +158,8 @@ pub fn measure(experiments: &Path, specimens: u64, progress: &dyn Fn(&str)) -> R
 fn calibrated(quick: &StudyLab<'_>, seed: u64) -> Result<Head, StudyError> {
     let of = |name: &str| quick.experiment(name).map(|experiment| Experiment { seed, ..experiment });
     let records = SPHERE_B.elements.iter().map(|element| of(&format!("identify-{element}")));
-    let model = chain::network_of(quick, records.collect::<Result<_, _>>()?, SPHERE_B.elements, PolesPerPair::default())?;
+    let model =
+        chain::network_of(quick, records.collect::<Result<_, _>>()?, SPHERE_B.elements, PolesPerPair::default())?;
     let tunnel = of("tunnel")?;
     quick.announce(&tunnel);
     Ok(chain::calibrated(&tunnel, &model, TUNNEL_SETTLE_S)?.0)
@@ -226,7 +227,9 @@ impl FieldReport {
 
 impl fmt::Display for FieldReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for cells in std::iter::once(TITLES.map(|title| title.replace('`', ""))).chain(self.effects.iter().map(EffectFigures::cells)) {
+        for cells in std::iter::once(TITLES.map(|title| title.replace('`', "")))
+            .chain(self.effects.iter().map(EffectFigures::cells))
+        {
             let [effect, direction, speed, inconsistent, held, unsaid] = cells;
             writeln!(f, "{effect:<54} {direction:>13} {speed:>18} {inconsistent:>12} {held:>32} {unsaid:>7}")?;
         }

@@ -103,8 +103,8 @@ fn shares_that_cannot_be_are_refused() {
 fn what_was_contradicted_a_minute_ago_is_still_flagged() {
     let (good, bad) = (QualityFlags::default(), QualityFlags::INCONSISTENT);
     let mut memory = ContradictionMemory::default();
-    // Ten estimates a second: one of ten that is contradicted by chance or by jumps of the wind, then
-    // a fault that every other wind shows.
+    // Ten estimates a second: one of ten that is contradicted by chance or by jumps of the wind,
+    // then a fault that every other wind shows.
     let gain = 0.1 / MEMORY_S;
     let flagged = |memory: &mut ContradictionMemory, every: u32, count: u32| {
         let of = |n: u32| if n.is_multiple_of(every) { bad } else { good };
