@@ -263,9 +263,7 @@ impl<'a> Calibrator<'a> {
                 let singly = cross_validate(drawn, steady, Scheme::EveryNth, FOLDS)?.compared;
                 uncertainty(by_region, &singly, [of.curves.least_reynolds, of.curves.most_reynolds], axes)
             }
-            (CalibrationResult::Card { calibration: of, .. }, _) => {
-                uncertainty(by_region, by_region, [of.curves.least_reynolds, of.curves.most_reynolds], 1.0)
-            }
+            // A card states its own shares, and follows its winds for minutes, which no mean has.
             _ => None,
         })
     }

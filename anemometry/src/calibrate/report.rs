@@ -19,6 +19,8 @@ const BANDWIDTHS_HZ: [f64; 7] = [0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0];
 const OVERHEAT_K: f64 = 30.0;
 const SAMPLE_PERIOD_S: f64 = 1e-3;
 
+/// Residuals of winds that were left out, as χ², beyond which hardly any fault of a surface shows.
+const BLIND: f64 = 50.0;
 /// Held-out directions that are worse, rms, are warned of, °.
 const POOR_DIRECTION_DEG: f64 = 10.0;
 
@@ -32,6 +34,8 @@ pub struct CalibrationReport {
     pub settle_s: f64,
     /// Noise of a surface's conductance by bandwidth.
     pub noise: Vec<ConductanceNoise>,
+    /// Greatest χ² that the calibration explains, if it says so.
+    pub chi_square_most: Option<f64>,
     /// The file that was written.
     pub written: Option<PathBuf>,
 }
@@ -64,13 +68,21 @@ impl CalibrationReport {
             CalibrationResult::Surfaces { .. } => conductance_noise(&calibrated.head),
             CalibrationResult::Card { .. } => Vec::new(),
         };
-        Self { result: calibrated.result, short, settle_s, noise, written: None }
+        let table = calibrated.head.calibration.as_ref().and_then(|of| of.table.uncertainty.as_ref());
+        let chi_square_most = table.map(|of| of.chi_square_most);
+        Self { result: calibrated.result, short, settle_s, noise, chi_square_most, written: None }
     }
 
     /// What is wrong with it, a sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let CalibrationResult::Surfaces { calibration, directions, .. } = &self.result else { return Vec::new() };
         let mut sentences = calibration.warnings();
+        if let Some(most) = self.chi_square_most.filter(|most| *most > BLIND) {
+            sentences.push(format!(
+                "winds that were left out contradict themselves by a χ² of {most:.0}: a surface that fails later may go unnoticed; calibrate \
+                 in more winds"
+            ));
+        }
         let rms_deg = directions.overall().direction_rms_deg;
         if rms_deg > POOR_DIRECTION_DEG {
             sentences.push(format!("directions that were left out of the fit come out {rms_deg:.0}° wrong, rms"));

@@ -3,7 +3,7 @@
 //!
 //! | shown | by |
 //! |---|---|
-//! | residuals of an element in its own record | more than twice the noise of its readings at the low level, which is the greater one |
+//! | residuals of an element in its own record | more than twice the noise of its readings at the low level, which is the greater one, and more than 5 mK, as some 30 ppm leave |
 //! | share of the surface in the slowest relaxation | less than 0.9: the layers are no longer those below the surface |
 //! | resistance of a layer | more than twice, or less than half of, the median of its kind |
 //! | heat within a tick | a relaxation of more than 3 rad a tick that would be an error of more than 100 ppm: ε = R (P_high − P_low)/κ, κ = R/(dR/dT) |
@@ -19,6 +19,8 @@ use crate::head::file::Head;
 
 /// Residuals over noise that are suspicious; without an error it is 0.7 to 1.6.
 const RESIDUALS: f64 = 2.0;
+/// Less than 30 ppm would leave is of the model, K.
+const LEAST_RESIDUAL_K: f64 = 5e-3;
 /// Least share of a surface in the slowest relaxation.
 const SHARE: f64 = 0.9;
 /// A layer's resistance over the median of its kind.
@@ -33,7 +35,7 @@ const ADVICE: &str = "the ratio of its currents may be off: `anemo self-test EXP
 
 /// The sentence on residuals in an element's own record, K rms, if they are suspicious.
 pub(super) fn residuals(element: &str, residual_k: f64, noise_k: f64) -> Option<String> {
-    (residual_k > RESIDUALS * noise_k).then(|| {
+    (residual_k > LEAST_RESIDUAL_K.max(RESIDUALS * noise_k)).then(|| {
         format!(
             "{element}: its record leaves {:.1} mK, and its readings have {:.1} mK of noise: {ADVICE}",
             1e3 * residual_k,
@@ -143,6 +145,7 @@ mod tests {
     #[test]
     fn residuals_are_held_against_the_noise() {
         assert_eq!(residuals("core1", 4e-3, 2.5e-3), None);
+        assert_eq!(residuals("film2", 2.9e-3, 1.4e-3), None, "of a tube, whose layers are finer than the model's");
         assert!(residuals("core1", 7e-3, 2.5e-3).unwrap().contains("core1: its record leaves 7.0 mK"));
     }
 }

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | speed | root mean square of (|v̂| − |v|)/|v| |
 //! | direction | root mean square of the angle between v̂ and v, of estimates that have a direction |
-//! | coverage | share of estimates without a flag (but `undetermined`) whose 95 % interval holds the true value: |v̂| − |v| within 1.96 u, a direction within 1.96 u about one axis or 2.45 u about two |
+//! | coverage | share of estimates without a flag (but `undetermined`, and `no-direction` of a single element) whose 95 % interval holds the true value: |v̂| − |v| within 1.96 u, a direction within 1.96 u about one axis or 2.45 u about two |
 //! | linear | the same angle of the linear inverse −Σ G_i n_i, for heads with axes in all directions |
 
 use dr_core::wind::QualityFlags;
@@ -116,7 +116,9 @@ impl WindComparison {
             return;
         }
         self.speed.add(f64::from(estimate.speed_m_s) / speed_m_s - 1.0);
-        let is_good = estimate.quality_flags.0 & !QualityFlags::UNDETERMINED.0 == 0;
+        // A single element never has a direction.
+        let usual = QualityFlags::UNDETERMINED.with(QualityFlags::NO_DIRECTION, axes.len() == 1);
+        let is_good = estimate.quality_flags.0 & !usual.0 == 0;
         if is_good {
             let off_m_s = f64::from(estimate.speed_m_s) - speed_m_s;
             self.speed_coverage.add(off_m_s.abs() <= ONE_AXIS * f64::from(estimate.speed_error_m_s));

@@ -24,11 +24,11 @@
 //! show, hence the last factor: with it 95 % intervals hold some 85 % of winds with the gain of one
 //! sector off by 5 %, without it 63 %.
 //!
-//! Which winds show a fault depends on where they come from, so the flag `inconsistent` stays while
-//! more than a quarter of the remembered estimates were contradicted; a wind that jumps contradicts
-//! itself for a moment, too. Starting and saturated ones, and those of still or slow gas, are not
-//! remembered. Winds that are slower than all of the calibration, and not still, are flagged
-//! `below-calibration`.
+//! Which winds show a fault depends on where they come from, so the flag `inconsistent` stays
+//! while more than a quarter of the remembered estimates were contradicted; a wind that jumps
+//! contradicts itself for a moment, too. Starting, saturated, ambiguous and extrapolated ones, and
+//! those of still or slow gas, are not remembered. Winds that are slower than all of the
+//! calibration, and not still, are flagged `below-calibration`.
 //!
 //! *Limits.* The errors of gas and pressure are not in it.
 
@@ -45,8 +45,8 @@ pub const KNOTS: usize = 4;
 /// What few numbers leave open of the size of a contradiction.
 const BY_FEW: f32 = 3.0;
 
-/// Speeds of fewer standard uncertainties are none.
-const STILL: f32 = 2.0;
+/// Speeds of fewer standard uncertainties are none: that of three components of noise is often two.
+const STILL: f32 = 4.0;
 /// How long contradictions are remembered, s.
 pub const MEMORY_S: f32 = 300.0;
 /// Share of them from which on the flag stays.
@@ -69,6 +69,8 @@ impl ContradictionMemory {
             QualityFlags::STARTING,
             QualityFlags::NOT_RUNNING,
             QualityFlags::SATURATED,
+            QualityFlags::EXTRAPOLATED,
+            QualityFlags::AMBIGUOUS,
             QualityFlags::NO_GAS,
         ];
         if !not_counted.iter().any(|&flag| flags.has(flag)) {

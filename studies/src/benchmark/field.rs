@@ -15,6 +15,7 @@ use anemometry::wind::off_line::axes;
 use dr_core::wind::QualityFlags;
 use host_sim::experiment::Experiment;
 use host_sim::sensor::field::{DriftQuantity, ElementDrift, FieldEffects};
+use recording::text::count;
 use serde::Serialize;
 use wire::WindSample;
 
@@ -205,10 +206,10 @@ impl EffectFigures {
 impl FieldReport {
     fn legend(&self) -> String {
         format!(
-            "Sphere B, {} specimens: identified and calibrated without any effect by `experiments/wind/quick`, judged in the winds of \
+            "Sphere B, {}: identified and calibrated without any effect by `experiments/wind/quick`, judged in the winds of \
              `experiments/field` at {MODE}, {SETTLE_S} s after each change. *95 % intervals*: how many of estimates without a flag \
              hold the true value. *Unsaid*: estimates off by more than three standard uncertainties without a flag.",
-            self.specimens
+            count(self.specimens as usize, "specimen")
         )
     }
 
@@ -217,7 +218,8 @@ impl FieldReport {
         let line = |cells: [String; 6]| format!("| {} |\n", cells.join(" | "));
         let rows: String = self.effects.iter().map(|of| line(of.cells())).collect();
         format!(
-            "# Effects of the field\n\nBy `anemo benchmark field`, {day}. {}\n\n{}{}\n{rows}",
+            "# Effects of the field\n\nBy `anemo benchmark field --specimens {}`, {day}. {}\n\n{}{}\n{rows}",
+            self.specimens,
             self.legend(),
             line(TITLES.map(str::to_owned)),
             "|---".repeat(TITLES.len()) + "|"
