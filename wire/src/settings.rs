@@ -73,6 +73,8 @@ pub enum SettingKind {
     Model = 0x11,
     /// What it does.
     Drive = 0x12,
+    /// What the calibration adds to the uncertainty of the wind.
+    Uncertainty = 0x1e,
     /// What the surfaces of the head belong to.
     Form = 0x1f,
     /// Self-heating of an element.
@@ -99,8 +101,6 @@ pub enum SettingKind {
     WindOutput = 0x27,
     /// State of the gas.
     Gas = 0x28,
-    /// What the calibration adds to the uncertainty of the wind.
-    Uncertainty = 0x29,
     /// Finding of a requested self-test for an element.
     Tested = 0x30,
     /// Finding of the self-test after a start.

@@ -74,6 +74,12 @@ fn one_of_each() -> Vec<Setting> {
         Command::Element { element: 1, config: ElementConfig { channel, limits } },
         Command::Model { element: 2, model },
         Command::Drive { element: 3, drive: Drive::Passive },
+        Command::Wind(WindCommand::Uncertainty(CalibrationUncertainty {
+            conductance_share: [0.5; 4],
+            speed_share: [0.25; 4],
+            direction_rad: [0.125; 4],
+            chi_square_most: 8.0,
+        })),
         Command::Wind(WindCommand::Form(HeadForm::Cylinder)),
         Command::Wind(WindCommand::SelfHeating { element: 4, config: own }),
         Command::Wind(WindCommand::FasterGains(FasterGainsConfig { element: 1, set: 2, until_s: 3.0, gains: GAINS })),
@@ -84,12 +90,6 @@ fn one_of_each() -> Vec<Setting> {
         Command::Wind(WindCommand::GasLaw(gas_law)),
         Command::Wind(WindCommand::Output(answer)),
         Command::Wind(WindCommand::Gas { pressure_pa: 700.0, temperature_c: Some(-53.0) }),
-        Command::Wind(WindCommand::Uncertainty(CalibrationUncertainty {
-            conductance_share: [0.5; 4],
-            speed_share: [0.25; 4],
-            direction_rad: [0.125; 4],
-            chi_square_most: 8.0,
-        })),
     ];
     let name = Name::try_from("a name that has all 32 characters").unwrap_or_default();
     let own = [Setting::Name(name), Setting::TelemetryEvery(10)];
