@@ -1,5 +1,6 @@
 //! `anemo self-test`: has an instrument test itself, and reports what it found.
 
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -12,7 +13,7 @@ use crate::board::{InstrumentArguments, On, OpenBoard};
 use crate::output::{Failure, warn};
 use crate::progress::{on_interrupt, progress};
 use host_sim::experiment::Experiment;
-use host_sim::instrument::setup;
+use host_sim::instrument::{InstrumentPort, setup};
 use host_sim::self_test::{self, SelfTestReport, StoredSelfTests, currents};
 use host_sim::settings;
 
@@ -128,12 +129,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         !interrupted.load(Ordering::Relaxed)
     });
     bar.finish_and_clear();
-    // Its heaters are low after that, whatever came of the test.
-    let finished = instrument.finish();
-    let report = report.map_err(Failure::work)?;
-    finished.map_err(Failure::work)?;
-    let report = report.ok_or_else(|| Failure::work("interrupted: the self-test has been stopped"))?;
-    let report = SelfTestReport { names, ..report };
+    let report = SelfTestReport { names, ..ended(instrument, report)? };
     crate::output::print_report(&report, arguments.json)?;
     let is_simulated = !matches!(arguments.instrument.on, On::Serial(_));
     let noise_v_rms = experiment.filter(|_| is_simulated).map(|experiment| experiment.imperfections.noise_v_rms);
@@ -144,6 +140,15 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         ""
     };
     report.faults().map_or(Ok(()), |faults| Err(Failure::work(format!("the self-test has found {faults}{hint}"))))
+}
+
+/// The report of a test that was not interrupted. The instrument's heaters are low after that,
+/// whatever came of the test.
+fn ended<R>(instrument: Box<dyn InstrumentPort>, report: Result<Option<R>, impl Display>) -> Result<R, Failure> {
+    let finished = instrument.finish();
+    let report = report.map_err(Failure::work)?;
+    finished.map_err(Failure::work)?;
+    report.ok_or_else(|| Failure::work("interrupted: the self-test has been stopped"))
 }
 
 /// Measures the ratios of the currents, and writes them into a head.
@@ -162,10 +167,7 @@ fn test_currents(arguments: &Arguments, mut experiment: Experiment) -> Result<()
         !interrupted.load(Ordering::Relaxed)
     });
     bar.finish_and_clear();
-    let finished = instrument.finish();
-    let report = report.map_err(Failure::work)?;
-    finished.map_err(Failure::work)?;
-    let mut report = report.ok_or_else(|| Failure::work("interrupted: the self-test has been stopped"))?;
+    let mut report = ended(instrument, report)?;
     let known = report.known();
     if let Some(path) = arguments.output.as_ref().filter(|_| known.iter().any(Option::is_some)) {
         let head = experiment.head.with_current_ratios(&known)?;

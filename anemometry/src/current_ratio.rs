@@ -25,7 +25,7 @@
 //! differs between the levels; and the change of ε when the fastest time constant is left out, for
 //! what the element does within a tick.
 //!
-//! Limits: what an element does within half a tick cannot be told from such an error, and adds to
+//! Limits: what an element does within half a tick looks like such an error, and adds to
 //! it. Levels that follow from each other, as those of a loop at rest, are refused. What is common
 //! to both currents is not seen.
 
@@ -79,7 +79,7 @@ pub enum CurrentRatioUnknown {
     FewSwitches(usize),
     /// Levels and heat follow from each other.
     #[error(
-        "the levels cannot be told from their heat: drive the element pseudo-randomly, in ticks much shorter than it takes to warm"
+        "the levels look like their heat: drive the element pseudo-randomly, in ticks much shorter than it takes to warm"
     )]
     Correlated,
     /// A reading that is no number, or lists of different lengths.

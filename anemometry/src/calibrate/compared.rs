@@ -2,7 +2,7 @@
 
 use dr_core::wind::{MeasuredConductance, WindEstimate, calibration_uncertainty};
 
-/// What an estimate says of its own errors, by the noise of the readings alone.
+/// Errors that an estimate states, by the noise of the readings alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StatedError {
     /// Of the speed, as its share.
@@ -47,7 +47,7 @@ pub struct ComparedWind {
     pub direction_deg: Option<f64>,
     /// Relative error of speed.
     pub speed: f64,
-    /// What the estimate says of its errors.
+    /// Errors that the estimate states.
     pub stated: StatedError,
 }
 

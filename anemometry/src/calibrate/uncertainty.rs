@@ -26,14 +26,13 @@
 use dr_core::wind::calibration_uncertainty::{KNOTS, SpeedScale};
 
 use super::compared::{ComparedWind, StatedError};
-use crate::combine::estimate::chi_square_quantile;
+use crate::combine::estimate::{chi_square_99, chi_square_quantile};
 use crate::head::calibration::table::UncertaintyTable;
 
 /// Winds from which a share can be had.
 const LEAST_WINDS: usize = 4;
-/// Where the normal distribution has its 95th and 99th percentile.
+/// Where the normal distribution has its 95th percentile.
 const NORMAL_95: f64 = 1.645;
-const NORMAL_99: f64 = 2.326;
 /// Halvings of the interval in which κ is searched.
 const HALVINGS: usize = 60;
 
@@ -82,12 +81,13 @@ fn chi_square_most(table: &UncertaintyTable, scale: &SpeedScale, compared: &[Com
         (1.0, wind.stated.chi_square_with(share.into()))
     };
     let freedom = freedom(compared.iter());
-    let over_chance = quantile(compared.iter().map(of).collect(), 0.95) / chi_square_quantile(freedom, NORMAL_95);
-    chi_square_quantile(freedom, NORMAL_99) * over_chance.max(1.0)
+    let over_chance =
+        quantile(compared.iter().map(of).collect(), 0.95) / chi_square_quantile(freedom as f64, NORMAL_95);
+    chi_square_99(freedom) * over_chance.max(1.0)
 }
 
 /// Conductances less unknowns of a head that lacks none, at least one.
-fn freedom<'a>(compared: impl Iterator<Item = &'a ComparedWind>) -> f64 {
+fn freedom<'a>(compared: impl Iterator<Item = &'a ComparedWind>) -> usize {
     compared.map(|wind| wind.stated.degrees_of_freedom).max().unwrap_or(0).max(1).into()
 }
 
@@ -139,7 +139,7 @@ impl<'a> WeighedWinds<'a> {
 
     fn conductance_share(&self) -> f64 {
         let freedom = freedom(self.winds.iter().map(|(_, wind)| *wind));
-        let chance = chi_square_quantile(freedom, 0.0);
+        let chance = chi_square_quantile(freedom as f64, 0.0);
         let over = |share: f64| {
             let found = self.winds.iter().map(|(weight, wind)| (*weight, wind.stated.chi_square_with(share)));
             quantile(found.collect(), 0.5) > chance

@@ -108,7 +108,7 @@ pub fn test_currents(
     }))
 }
 
-/// Set-up of the excitation: the head, and random bits of which no two elements have the same for
+/// Set-up of the excitation: the head, and random bits, which no two elements have alike for
 /// years.
 fn excitation(head: &Head) -> Vec<Command> {
     let mut commands =
