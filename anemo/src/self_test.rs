@@ -43,8 +43,8 @@ Verdicts of --currents, within 10 ppm:
   off                    write the head with -o, or measure the currents
   uncertain, unknown     more seconds, less wind, a cooler head
 
-Exit code 0: pass, or a head written by -o with all ratios known; 1: at least one
-fault.
+Exit code 0: pass, or a head written by -o with all ratios known;
+1: at least one fault.
 
 Examples:
   anemo self-test experiments/gusts.toml --on sim
