@@ -8,10 +8,10 @@ use crate::choice::choice;
 use crate::output::{Failure, head_of, warn};
 use anemometry::calibrate::error::CalibratorError;
 use anemometry::calibrate::{
-    CalibrationReport, Calibrator, DrawnOptions, LossLaw, NetworkSource, SteadyTable, SteadyWind, steady_table,
+    CalibrationReport, Calibrator, DrawnOptions, Gravity, LossLaw, NetworkSource, SteadyTable, SteadyWind, steady_table,
 };
 use anemometry::head::Head;
-use anemometry::head::calibration::{DIAMETER_M, DIRECTION_ERROR_MAX_DEG};
+use anemometry::head::calibration::{DIAMETER_M, DIRECTION_ERROR_MAX_DEG, PropertyTemperature};
 use anemometry::wind::given_winds;
 use diffusive::model::Model;
 use dr_core::wind::HeadForm;
@@ -114,6 +114,16 @@ pub struct Arguments {
     /// Side of a die, mm.
     #[arg(long, value_name = "MM", default_value_t = 1.5)]
     die_mm: f64,
+    /// At which temperature a sphere takes the properties of the gas; by default that of the film,
+    /// or what winds of several gas temperatures say.
+    #[arg(long, value_name = "WHERE", value_parser = choice([
+        ("film", "half-way between gas and surfaces", PropertyTemperature::Film),
+        ("gas", "the temperature of the gas", PropertyTemperature::Gas),
+    ]))]
+    properties: Option<PropertyTemperature>,
+    /// Gravity in the tunnel, m/s², for the rise of the gas that a sphere warms; 0 leaves it out.
+    #[arg(long, value_name = "M_S2", default_value_t = 9.81)]
+    gravity: f64,
     /// More uncertain directions are flagged `no-direction`, °.
     #[arg(long, value_name = "DEGREES", default_value_t = 20.0)]
     direction_error_max_deg: f64,
@@ -131,6 +141,9 @@ impl Arguments {
             diameter_m: metres(self.diameter_mm),
             length_m: metres(self.length_mm),
             die_m: self.die_mm * 1e-3,
+            film_share: self.properties.map(PropertyTemperature::film_share),
+            gravity: Gravity { m_s2: self.gravity, ..DrawnOptions::default().gravity },
+            ..DrawnOptions::default()
         }
     }
 
@@ -254,6 +267,7 @@ fn check(arguments: &Arguments) -> Result<(), Failure> {
         ("--length-mm", arguments.length_mm, sizes_mm.clone(), "mm"),
         ("--die-mm", Some(arguments.die_mm), sizes_mm, "mm"),
         ("--direction-error-max-deg", Some(arguments.direction_error_max_deg), DIRECTION_ERROR_MAX_DEG, "°"),
+        ("--gravity", Some(arguments.gravity), 0.0..=100.0, "m/s²"),
     ] {
         if let Some(value) = value.filter(|value| !range.contains(value)) {
             let (least, most) = (brief(*range.start()), brief(*range.end()));

@@ -93,6 +93,10 @@ pub enum Parameter {
     SustainedPowerW,
     EnergyJ,
     CalibrationUncertainty,
+    FilmShare,
+    NusseltAtRest,
+    Buoyancy,
+    StemMap,
 }
 
 impl Parameter {

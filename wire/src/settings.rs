@@ -73,6 +73,8 @@ pub enum SettingKind {
     Model = 0x11,
     /// What it does.
     Drive = 0x12,
+    /// How the convection of surfaces is taken.
+    Convection = 0x1d,
     /// What the calibration adds to the uncertainty of the wind.
     Uncertainty = 0x1e,
     /// What the surfaces of the head belong to.
@@ -214,6 +216,7 @@ impl Setting {
                     WindCommand::Output(_) => (SettingKind::WindOutput, 0),
                     WindCommand::Gas { .. } => (SettingKind::Gas, 0),
                     WindCommand::Uncertainty(_) => (SettingKind::Uncertainty, 0),
+                    WindCommand::Convection(_) => (SettingKind::Convection, 0),
                 },
                 Command::Clear
                 | Command::Start

@@ -13,6 +13,7 @@ use super::steady_table::SteadyTable;
 use super::steady_wind::SteadyWind;
 use super::steady_winds::{ObservedHead, SteadyWindSearch};
 use super::surfaces::calibration::SurfaceCalibration;
+use super::surfaces::choice::{ConvectionOptions, chosen};
 use super::surfaces::cross_validation::cross_validate;
 use super::surfaces::readings::{DrawnSurfaces, LossLaw};
 use super::surfaces::solve::calibrate;
@@ -50,6 +51,7 @@ pub struct Calibrator<'a> {
     observed: ObservedHead<'a>,
     drawn: DrawnHead,
     law: Option<LossLaw>,
+    convection: ConvectionOptions,
     /// Without a network of its own.
     is_by_table: bool,
 }
@@ -109,7 +111,7 @@ impl<'a> Calibrator<'a> {
                 let sentence = "dice of one card warm each other: in place of --time-constant they need --network";
                 return Err(CalibratorError::Options(sentence.to_owned()));
             }
-            return Self::of(head, network, places, None, (DrawnHead::Card(drawn), None));
+            return Self::of(head, network, options, (places, None), (DrawnHead::Card(drawn), None));
         }
         let (places, drawn) = drawn(head, options, law.unwrap_or(LossLaw::Spline))?;
         if matches!(law, Some(LossLaw::King { .. })) && !has_law(drawn.form) {
@@ -118,14 +120,14 @@ impl<'a> Calibrator<'a> {
             return Err(CalibratorError::Options(sentence.to_owned()));
         }
         let reference = head.elements.iter().position(|element| element.name == recording::REFERENCE);
-        Self::of(head, network, places, reference, (DrawnHead::Surfaces(drawn), law))
+        Self::of(head, network, options, (places, reference), (DrawnHead::Surfaces(drawn), law))
     }
 
     fn of(
         head: &'a Head,
         network: NetworkSource<'_>,
-        surfaces: Vec<usize>,
-        reference: Option<usize>,
+        options: &DrawnOptions,
+        (surfaces, reference): (Vec<usize>, Option<usize>),
         (drawn, law): (DrawnHead, Option<LossLaw>),
     ) -> Result<Self, CalibratorError> {
         let is_by_table = matches!(network, NetworkSource::Table { .. });
@@ -148,7 +150,9 @@ impl<'a> Calibrator<'a> {
         let species = Species::named(&quiescent.species)
             .ok_or_else(|| CalibratorError::Head(format!("is of the gas {}", quiescent.species)))?;
         let observed = ObservedHead { head, network, surfaces, reference, species, quiescent };
-        Ok(Self { observed, drawn, law, is_by_table })
+        let &DrawnOptions { film_share, gravity, stem, .. } = options;
+        let convection = ConvectionOptions { film_share, gravity, stem };
+        Ok(Self { observed, drawn, law, convection, is_by_table })
     }
 
     /// The steady winds of a user's own tables.
@@ -204,6 +208,10 @@ impl<'a> Calibrator<'a> {
             reference: reference.map(|element| head.elements[element].name.clone()),
             nusselt,
             card,
+            convection: match &result {
+                CalibrationResult::Surfaces { calibration, .. } => calibration.convection.clone(),
+                CalibrationResult::Card { .. } => None,
+            },
             uncertainty: self.uncertainty(&result, steady)?,
             surfaces: self.surfaces(&result),
             self_heating: network.own.clone(),
@@ -235,10 +243,11 @@ impl<'a> Calibrator<'a> {
             None if has_law(drawn.form) => vec![king, any],
             None => vec![any],
         };
+        let convection = chosen(drawn, steady, &self.convection)?;
         let mut best: Option<CalibrationResult> = None;
         let mut refused = None;
         for law in laws {
-            let drawn = DrawnSurfaces { law, ..drawn.clone() };
+            let drawn = DrawnSurfaces { law, convection: convection.clone(), ..drawn.clone() };
             match surfaces_by(&drawn, steady) {
                 Ok(found) if best.as_ref().is_none_or(|best| found.speed_rms() < best.speed_rms()) => {
                     best = Some(found)
@@ -260,8 +269,9 @@ impl<'a> Calibrator<'a> {
         Ok(match (result, &self.drawn) {
             (CalibrationResult::Surfaces { calibration: of, .. }, DrawnHead::Surfaces(drawn)) => {
                 let axes = if of.form.is_sphere() && of.surfaces.len() > 2 { 2.0 } else { 1.0 };
-                let singly = cross_validate(drawn, steady, Scheme::EveryNth, FOLDS)?.compared;
-                uncertainty(by_region, &singly, [of.curves.least_reynolds, of.curves.most_reynolds], axes)
+                let drawn = DrawnSurfaces { convection: of.sought.clone(), ..drawn.clone() };
+                let singly = cross_validate(&drawn, steady, Scheme::EveryNth, FOLDS)?.compared;
+                uncertainty(by_region, &singly, of.reynolds(), axes)
             }
             // A card states its own shares, and follows its winds for minutes, which no mean has.
             _ => None,
@@ -352,6 +362,7 @@ mod tests {
     use crate::calibrate::drawn::surfaces_of;
     use crate::calibrate::steady_wind::SurfaceReading;
     use crate::calibrate::surfaces::readings::DrawnSurface;
+    use crate::calibrate::surfaces::stream::SoughtConvection;
     use crate::gas::IdealGas;
     use crate::vector::{dot, unit};
 
@@ -384,7 +395,8 @@ mod tests {
         let surfaces = surfaces_of(HeadForm::Wires, &normals, 5e-4, 5e-3).unwrap().into_iter();
         let surfaces = surfaces.map(|config| DrawnSurface { name: "film".to_owned(), config }).collect();
         let law = LossLaw::King { exponent: None };
-        let drawn = DrawnSurfaces { form: HeadForm::Wires, law, diameter_m: 5e-4, surfaces };
+        let convection = SoughtConvection::default();
+        let drawn = DrawnSurfaces { form: HeadForm::Wires, law, diameter_m: 5e-4, surfaces, convection };
         surfaces_by(&drawn, &(0..winds).map(wind).collect::<Vec<_>>())
     }
 

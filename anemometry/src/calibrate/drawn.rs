@@ -8,6 +8,7 @@ use std::f64::consts::PI;
 
 use super::error::CalibratorError;
 use super::surfaces::readings::{DrawnSurface, DrawnSurfaces, LossLaw};
+use super::surfaces::stream::{Gravity, SoughtConvection};
 use crate::head::body::Correlation;
 use crate::head::file::Head;
 use crate::vector::{across, cross, dot, length, unit};
@@ -32,11 +33,27 @@ pub struct DrawnOptions {
     pub length_m: Option<f64>,
     /// Side of a die, if they are those of a card, m.
     pub die_m: f64,
+    /// Share of the way from the gas to the surfaces at which its properties are taken; by default
+    /// half of it, or what winds of several temperatures say.
+    pub film_share: Option<f64>,
+    /// Gravity in the tunnel.
+    pub gravity: Gravity,
+    /// Outward along the stem.
+    pub stem: [f64; 3],
 }
 
 impl Default for DrawnOptions {
     fn default() -> Self {
-        Self { elements: Vec::new(), form: None, diameter_m: None, length_m: None, die_m: 1.5e-3 }
+        Self {
+            elements: Vec::new(),
+            form: None,
+            diameter_m: None,
+            length_m: None,
+            die_m: 1.5e-3,
+            film_share: None,
+            gravity: Gravity { m_s2: 9.81, up: [0.0, 0.0, 1.0] },
+            stem: [0.0, 0.0, -1.0],
+        }
     }
 }
 
@@ -147,7 +164,10 @@ pub fn drawn(
         .zip(configs)
         .map(|((place, _), config)| DrawnSurface { name: head.elements[*place].name.clone(), config });
     let surfaces = surfaces.collect();
-    Ok((outward.iter().map(|(place, _)| *place).collect(), DrawnSurfaces { form, law, diameter_m, surfaces }))
+    Ok((
+        outward.iter().map(|(place, _)| *place).collect(),
+        DrawnSurfaces { form, law, diameter_m, surfaces, convection: SoughtConvection::default() },
+    ))
 }
 
 /// Surfaces with these unit normals, one at least.

@@ -37,6 +37,8 @@ pub use report::CalibrationReport;
 pub use steady_table::SteadyTable;
 pub use steady_wind::{SteadyWind, SurfaceReading};
 pub use surfaces::calibration::SurfaceCalibration;
+pub use surfaces::choice::{ConvectionOptions, chosen};
 pub use surfaces::cross_validation::{compare, cross_validate};
 pub use surfaces::readings::{DrawnSurface, DrawnSurfaces, LossLaw};
 pub use surfaces::solve::{calibrate, solve};
+pub use surfaces::stream::{Gravity, SoughtConvection};

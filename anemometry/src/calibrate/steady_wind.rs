@@ -32,9 +32,23 @@ pub struct SurfaceReading {
 }
 
 impl SteadyWind {
-    /// The gas as dr-core takes it.
-    pub(super) fn core_gas(&self) -> Result<GasState, CalibrateError> {
-        let IdealGas { density_kg_m3, viscosity_pa_s, conductivity_w_m_k, .. } = self.gas;
+    /// Mean overheat of the surfaces, K.
+    pub(super) fn overheat_k(&self) -> f64 {
+        self.surfaces.iter().map(|of| of.overheat_k).sum::<f64>() / self.surfaces.len() as f64
+    }
+
+    /// The gas as dr-core takes it, with its properties at so great a share of the way from its
+    /// temperature to that of the surfaces.
+    pub(super) fn core_gas(&self, film_share: f64) -> Result<GasState, CalibrateError> {
+        let IdealGas { species, pressure_pa, temperature_k, .. } = self.gas;
+        let properties_k = temperature_k + film_share * self.overheat_k();
+        let gas = match film_share > 0.0 {
+            true => {
+                IdealGas::new(species, pressure_pa, properties_k).map_err(|error| self.refuse(error.to_string()))?
+            }
+            false => self.gas,
+        };
+        let IdealGas { density_kg_m3, viscosity_pa_s, conductivity_w_m_k, .. } = gas;
         GasState::new(density_kg_m3 as f32, viscosity_pa_s as f32, conductivity_w_m_k as f32)
             .map_err(|error| self.refuse(format!("gas: {error}")))
     }

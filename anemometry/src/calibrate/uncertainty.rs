@@ -48,7 +48,7 @@ pub fn uncertainty(
     if by_region.len().min(singly.len()) < LEAST_WINDS {
         return None;
     }
-    let scale = SpeedScale { reynolds: reynolds.map(|of| of as f32), per_speed: 1.0 };
+    let scale = SpeedScale { reynolds: reynolds.map(|of| of as f32), per_speed: 1.0, away: [0.0; 2] };
     let mut table = UncertaintyTable {
         conductance_share: [0.0; KNOTS],
         speed_share: [0.0; KNOTS],

@@ -9,7 +9,7 @@ use std::string::{String, ToString};
 use std::vec::Vec;
 
 /// In the order of their declaration, which is the one on the wire.
-const ALL: [Parameter; 72] = [
+const ALL: [Parameter; 76] = [
     Parameter::Resistance0cOhm,
     Parameter::CoefficientPerC,
     Parameter::VoltPerCode,
@@ -82,6 +82,10 @@ const ALL: [Parameter; 72] = [
     Parameter::SustainedPowerW,
     Parameter::EnergyJ,
     Parameter::CalibrationUncertainty,
+    Parameter::FilmShare,
+    Parameter::NusseltAtRest,
+    Parameter::Buoyancy,
+    Parameter::StemMap,
 ];
 
 /// The words of a variant, as they would be written in a file: `current_low_a` for `CurrentLowA`.

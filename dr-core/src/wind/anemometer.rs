@@ -41,10 +41,11 @@ use crate::model::convection_observer::{
 };
 use crate::room::room;
 use crate::wind::calibration_uncertainty::{ContradictionMemory, SpeedScale};
+use crate::wind::convection::ConvectionSettings;
 use crate::wind::estimate::WindEstimate;
 use crate::wind::form::MOST_SURFACES;
 use crate::wind::gas::GasState;
-use crate::wind::gas_law::GasLaw;
+use crate::wind::gas_law::{GasLaw, ZERO_CELSIUS_K};
 use crate::wind::quality_flags::QualityFlags;
 use crate::wind::surface_inverse::{MeasuredConductance, WindState};
 use command::{HeadSurface, WindCommand, WindOutputConfig};
@@ -161,6 +162,7 @@ impl<const N: usize> Anemometer<N> {
             WindCommand::Card(config) => self.setup.card = Some(*config),
             WindCommand::Form(form) => self.setup.form = *form,
             WindCommand::Uncertainty(uncertainty) => self.setup.uncertainty = Some(uncertainty.checked()?),
+            WindCommand::Convection(config) => self.setup.convection = Some(ConvectionSettings::new(config)?),
             WindCommand::GasLaw(config) => self.setup.gas_law = Some(GasLaw::new(config)?),
             WindCommand::Output(config) => {
                 self.output = Some(self.setup.prepare::<N>(config, sample_period_s)?);
@@ -227,9 +229,7 @@ impl<const N: usize> Anemometer<N> {
         convection: Option<&ConvectionEstimate<N>>,
     ) -> (WindTick, WindState) {
         let gas_c = self.gas_c(output);
-        let gas = self.gas(gas_c);
         let mut quality_flags = QualityFlags::default()
-            .with(QualityFlags::NO_GAS, gas.is_none())
             .with(QualityFlags::NOT_RUNNING, tick.state != RunState::Running)
             .with(QualityFlags::STARTING, convection.is_none() || self.state.ticks < self.state.starting_ticks)
             .with(QualityFlags::SATURATED, self.is_saturated(output))
@@ -243,6 +243,7 @@ impl<const N: usize> Anemometer<N> {
             quality_flags,
         };
         let mut measured = [None; MOST_SURFACES];
+        let (mut overheat_sum_k, mut warm) = (0.0, 0.0_f32);
         if let (Some(convection), Some(gas_c)) = (convection, gas_c) {
             for (p, part) in self.setup.surfaces().enumerate().take(usize::from(output.config.surfaces)) {
                 let i = usize::from(part.element);
@@ -256,6 +257,8 @@ impl<const N: usize> Anemometer<N> {
                     quality_flags = quality_flags.with(QualityFlags::COLD, true);
                     continue;
                 }
+                overheat_sum_k += overheat_k;
+                warm += 1.0;
                 let raw_k = tick.temperature_c[i] - gas_c;
                 if raw_k >= LEAST_OVERHEAT_K {
                     report.raw_w_k[p] = self.state.power_w[i] / raw_k;
@@ -272,12 +275,23 @@ impl<const N: usize> Anemometer<N> {
                 });
             }
         }
+        let overheat_k = overheat_sum_k / warm.max(1.0);
+        let gas = self.gas(gas_c, overheat_k);
+        quality_flags = quality_flags.with(QualityFlags::NO_GAS, gas.is_none());
         let mut wind = self.state.wind;
-        if let (Some(head), Some(gas)) = (&output.head, gas) {
+        if let (Some(head), Some(gas), Some(gas_c)) = (&output.head, gas, gas_c) {
+            let WindOutputConfig { diameter_m, direction_error_max_rad, reynolds, .. } = output.config;
             report.wind = head.step(&mut wind, &gas, &measured);
-            if let (Some(uncertainty), Some(reynolds)) = (&self.setup.uncertainty, output.config.reynolds) {
-                let WindOutputConfig { diameter_m, direction_error_max_rad, .. } = output.config;
-                let scale = SpeedScale { reynolds, per_speed: gas.reynolds_per_speed(diameter_m) };
+            let (mut slowest, mut away) = (None, [0.0; 2]);
+            if let Some(convection) = &self.setup.convection {
+                let ConvectionSettings { free_stream, slowest_reynolds, .. } = convection;
+                let rise_speed_m_s = free_stream.rise_speed_m_s(overheat_k, gas_c + ZERO_CELSIUS_K, diameter_m);
+                report.wind = free_stream.described(report.wind, rise_speed_m_s, direction_error_max_rad);
+                (slowest, away) = (Some(*slowest_reynolds), convection.away(gas_c));
+            }
+            if let (Some(uncertainty), Some([least, most])) = (&self.setup.uncertainty, reynolds) {
+                let reynolds = [slowest.unwrap_or(least).max(least).min(most), most];
+                let scale = SpeedScale { reynolds, per_speed: gas.reynolds_per_speed(diameter_m), away };
                 report.wind = uncertainty.added_to(report.wind, &measured, &scale, direction_error_max_rad);
             }
         }
@@ -324,8 +338,13 @@ impl<const N: usize> Anemometer<N> {
         self.state.gas_c.filter(|_| absent_ticks <= output.reference_timeout_ticks)
     }
 
-    fn gas(&self, gas_c: Option<f32>) -> Option<GasState> {
-        self.setup.gas_law.as_ref()?.at(self.pressure_pa?, gas_c?).ok()
+    /// The gas, with its properties where the head takes them.
+    fn gas(&self, gas_c: Option<f32>, overheat_k: f32) -> Option<GasState> {
+        let properties_c = match &self.setup.convection {
+            Some(convection) => convection.properties_c(gas_c?, overheat_k),
+            None => gas_c?,
+        };
+        self.setup.gas_law.as_ref()?.at(self.pressure_pa?, properties_c).ok()
     }
 
     /// Adds the state of an instrument of so many elements and the estimate to a digest; nothing

@@ -30,7 +30,9 @@
 //! those of still or slow gas, are not remembered. Winds that are slower than all of the
 //! calibration, and not still, are flagged `below-calibration`.
 //!
-//! *Limits.* The errors of gas and pressure are not in it.
+//! To s and d those of a gas temperature that no calibration has had are added in squares.
+//!
+//! *Limits.* The errors of gas and pressure readings are not in it.
 
 use super::estimate::WindEstimate;
 use super::quality_flags::QualityFlags;
@@ -88,6 +90,8 @@ pub struct SpeedScale {
     pub reynolds: [f32; 2],
     /// Reynolds number of 1 m/s.
     pub per_speed: f32,
+    /// What the gas's temperature adds: shares of the speed, and rad.
+    pub away: [f32; 2],
 }
 
 impl SpeedScale {
@@ -153,8 +157,9 @@ impl CalibrationUncertainty {
         let wider = if is_inconsistent { chi_square / freedom * (1.0 + BY_FEW / freedom) } else { 1.0 };
 
         let size_m_s = wind.speed_m_s.max(scale.reynolds[0] / scale.per_speed);
-        let along_m_s = at(&self.speed_share, place) * size_m_s;
-        let across_m_s = at(&self.direction_rad, place) * size_m_s;
+        let [speed_away, direction_away] = scale.away;
+        let along_m_s = hypotenuse(at(&self.speed_share, place), speed_away) * size_m_s;
+        let across_m_s = hypotenuse(at(&self.direction_rad, place), direction_away) * size_m_s;
         let per_square = if wind.speed_m_s > 0.0 { 1.0 / square(wind.speed_m_s) } else { 0.0 };
         let beyond = square(along_m_s) - square(across_m_s);
         let mut covariance_m2_s2 = wind.covariance_m2_s2;
@@ -200,6 +205,10 @@ fn at(knots: &[f32; KNOTS], place: f32) -> f32 {
     let first = (place as usize).min(KNOTS - 2);
     let [from, to] = [knots[first], knots[first + 1]];
     from + (place - first as f32) * (to - from)
+}
+
+fn hypotenuse(a: f32, b: f32) -> f32 {
+    if b > 0.0 { sqrt(square(a) + square(b)) } else { a }
 }
 
 fn square(x: f32) -> f32 {

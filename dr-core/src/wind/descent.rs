@@ -86,7 +86,7 @@ pub enum StreamAround {
     /// Amplitudes at the Reynolds number, and where it comes from.
     Wind { amplitudes: Amplitudes, reynolds: f32, from: [f32; 3] },
     /// None; with d a_1 / d Re.
-    Rest { slope_of_first: f32 },
+    Rest { nusselt: f32, slope_of_first: f32 },
 }
 
 impl StreamAround {
@@ -95,7 +95,8 @@ impl StreamAround {
     pub fn at(nusselt: &Nusselt, reynolds_vector: [f32; 3]) -> Self {
         let reynolds = length(reynolds_vector);
         if reynolds <= REST * nusselt.least_reynolds() {
-            return Self::Rest { slope_of_first: nusselt.slope_of_first_at_rest() };
+            let slope_of_first = nusselt.slope_of_first_at_rest();
+            return Self::Rest { nusselt: nusselt.at_rest(), slope_of_first };
         }
         let from = scaled(reynolds_vector, -1.0 / reynolds);
         Self::Wind { amplitudes: nusselt.amplitudes(reynolds), reynolds, from }
@@ -106,7 +107,7 @@ impl StreamAround {
     pub fn local(&self, part: &NusseltSurface) -> LocalNusselt {
         match self {
             Self::Wind { amplitudes, reynolds, from } => part.local(amplitudes, *reynolds, *from),
-            Self::Rest { slope_of_first } => part.local_at_rest(*slope_of_first),
+            Self::Rest { nusselt, slope_of_first } => part.local_at_rest(*nusselt, *slope_of_first),
         }
     }
 }

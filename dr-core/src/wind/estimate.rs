@@ -114,13 +114,7 @@ impl LeastSquaresSolution<'_> {
 
         let speed_m_s = length(self.wind_m_s);
         let trace = covariance[0][0] + covariance[1][1] + covariance[2][2];
-        let (along, direction_error_rad) = if speed_m_s > 0.0 {
-            let along = quadratic(&covariance, scaled(components, 1.0 / speed_m_s));
-            let across = sqrt((trace - along).max(0.0) / (unknowns - 1).max(1) as f32);
-            (along, if unknowns > 1 { across / speed_m_s } else { PI })
-        } else {
-            (trace / unknowns as f32, PI)
-        };
+        let (speed_error_m_s, direction_error_rad) = standard_errors(&covariance, components, unknowns);
         if !self.fits && speed_m_s * speed_m_s > 4.0 * trace {
             return None;
         }
@@ -139,12 +133,25 @@ impl LeastSquaresSolution<'_> {
             speed_m_s,
             across_m_s,
             covariance_m2_s2: self.frame.outward_matrix(&covariance),
-            speed_error_m_s: sqrt(along),
+            speed_error_m_s,
             direction_error_rad: direction_error_rad.min(PI),
             quality,
             ..WindEstimate::none()
         })
     }
+}
+
+/// Standard errors of speed, m/s, and direction about one axis across it, rad, by the covariance of
+/// so many components.
+pub(super) fn standard_errors(covariance: &Matrix, components: [f32; 3], unknowns: usize) -> (f32, f32) {
+    let speed_m_s = length(components);
+    let trace = covariance[0][0] + covariance[1][1] + covariance[2][2];
+    if speed_m_s <= 0.0 {
+        return (sqrt(trace / unknowns as f32), PI);
+    }
+    let along = quadratic(covariance, scaled(components, 1.0 / speed_m_s));
+    let across = sqrt((trace - along).max(0.0) / (unknowns - 1).max(1) as f32);
+    (sqrt(along), if unknowns > 1 { across / speed_m_s } else { PI })
 }
 
 /// The size q of what is across enters by its square alone, whose standard error is 2 q σ_q. Near

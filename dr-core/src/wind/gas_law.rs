@@ -14,7 +14,8 @@ use crate::error::{self, ConfigError, Parameter};
 
 /// Number of coefficients.
 pub const TERMS: usize = 7;
-const ZERO_CELSIUS_K: f32 = 273.15;
+/// Zero of the Celsius scale, K.
+pub const ZERO_CELSIUS_K: f32 = 273.15;
 
 /// A gas as it travels and is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Fields!)]

@@ -4,6 +4,8 @@
 //! |---|---|
 //! | [`gas`] | properties of the gas: density, viscosity, conductivity |
 //! | [`gas_law`] | the same from pressure and temperature |
+//! | [`convection`] | at which temperature they are taken, and from which stream |
+//! | [`free_stream`] | the wind far from a head, and the stream that it meets: stem, rise of warm gas |
 //! | [`form`] | sphere, cylinder, wires, single element: which winds their surfaces tell apart |
 //! | [`nusselt`] | local Nusselt number of the body: amplitudes as functions of the Reynolds number |
 //! | [`surface`] | its mean over one surface, and how that changes with the wind |
@@ -17,9 +19,8 @@
 //! A wind vector points in the direction in which the gas moves. It comes in the frame in which the
 //! axes of the surfaces are given.
 //!
-//! All of it knows forced convection of a smooth body in a continuum, and nothing of its stem:
-//! what the stem, free convection or the gas's Prandtl number make of the amplitudes is for the
-//! calibration to put into them. It is meant for the decimated rate, 10 to 100 Hz. What runs there
+//! The inverse knows forced convection of a smooth body in a continuum; what the gas's Prandtl
+//! number makes of the amplitudes is for the calibration to put into them. It is meant for the decimated rate, 10 to 100 Hz. What runs there
 //! uses `+ − × ÷` on f32 in fixed order; root and logarithm are made of these here.
 //!
 //! ```
@@ -51,9 +52,11 @@
 pub mod anemometer;
 pub mod calibration_uncertainty;
 pub mod card_inverse;
+pub mod convection;
 mod descent;
 mod estimate;
 pub mod form;
+pub mod free_stream;
 pub mod gas;
 pub mod gas_law;
 mod head_frame;
@@ -70,8 +73,10 @@ pub use anemometer::command::{HeadSurface, WindCommand, WindOutputConfig};
 pub use anemometer::{Anemometer, WindTick};
 pub use calibration_uncertainty::CalibrationUncertainty;
 pub use card_inverse::{Card, CardConfig};
+pub use convection::{ConvectionConfig, ConvectionSettings};
 pub use estimate::WindEstimate;
 pub use form::{BOARD_SURFACES, HeadForm, MOST_SURFACES};
+pub use free_stream::{FreeStream, RiseConfig, StemConfig};
 pub use gas::GasState;
 pub use gas_law::{GasLaw, GasLawConfig};
 pub use nusselt::{Nusselt, NusseltConfig};

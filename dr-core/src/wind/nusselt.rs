@@ -110,14 +110,37 @@ impl Nusselt {
             bend: [0.0; 2],
             growth: 0.0,
         };
-        let (low, high) = (nusselt.between(0, 0.0), nusselt.between(POINTS - 2, 1.0));
-        nusselt.bend = [bend(low.value[0] - at_rest, low.slope[0]), bend(low.value[1], low.slope[1])];
+        nusselt.join();
+        let high = nusselt.between(POINTS - 2, 1.0);
         nusselt.growth = high.slope[0] / high.value[0];
         if nusselt.growth > 0.0 {
             Ok(nusselt)
         } else {
             Err(ConfigError { parameter: Parameter::NusseltMean, problem: ParameterProblem::NotAscending })
         }
+    }
+
+    /// The same with another Nusselt number at rest than the form's.
+    ///
+    /// # Errors
+    /// If it is not greater than zero, or not less than that of the slowest wind.
+    pub fn resting_at(mut self, at_rest: f32) -> Result<Self, ConfigError> {
+        error::positive(Parameter::NusseltAtRest, at_rest)?;
+        let slowest = self.rows[1][0];
+        (self.at_rest, _) = error::ascending((Parameter::NusseltAtRest, at_rest), (Parameter::NusseltMean, slowest))?;
+        self.join();
+        Ok(self)
+    }
+
+    /// Joins the points to quiescent gas.
+    fn join(&mut self) {
+        let low = self.between(0, 0.0);
+        self.bend = [bend(low.value[0] - self.at_rest, low.slope[0]), bend(low.value[1], low.slope[1])];
+    }
+
+    /// Nusselt number in quiescent gas.
+    pub const fn at_rest(&self) -> f32 {
+        self.at_rest
     }
 
     /// Amplitudes at a Reynolds number of zero or more.

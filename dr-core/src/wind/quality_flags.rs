@@ -38,9 +38,11 @@ impl QualityFlags {
     pub const INCONSISTENT: Self = Self(1 << 13);
     /// Slower than the slowest wind of the calibration, but not still.
     pub const BELOW_CALIBRATION: Self = Self(1 << 14);
+    /// From so near to the stem that no wind of the calibration came from there.
+    pub const NEAR_STEM: Self = Self(1 << 15);
 
     /// All flags with their names, in the order of their bits.
-    pub const NAMES: [(Self, &'static str); 15] = [
+    pub const NAMES: [(Self, &'static str); 16] = [
         (Self::FAILED, "failed"),
         (Self::REFUSED, "refused"),
         (Self::DEGRADED, "degraded"),
@@ -56,6 +58,7 @@ impl QualityFlags {
         (Self::COLD, "cold"),
         (Self::INCONSISTENT, "inconsistent"),
         (Self::BELOW_CALIBRATION, "below-calibration"),
+        (Self::NEAR_STEM, "near-stem"),
     ];
 
     /// Whether all flags of `other` are set.

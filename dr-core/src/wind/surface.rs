@@ -196,14 +196,14 @@ impl NusseltSurface {
         })
     }
 
-    /// In quiescent gas, with d a_1 / d Re.
-    pub fn local_at_rest(&self, slope_of_first: f32) -> LocalNusselt {
+    /// In quiescent gas, of this Nusselt number and d a_1 / d Re.
+    pub fn local_at_rest(&self, nusselt: f32, slope_of_first: f32) -> LocalNusselt {
         let along_axis = match self.form {
             HeadForm::Sphere | HeadForm::Cube | HeadForm::Cylinder => -self.first_mean() * slope_of_first,
             // What has no front loses alike whichever way a wind begins.
             HeadForm::Wires | HeadForm::Single => 0.0,
         };
-        LocalNusselt { nusselt: self.form.nusselt_at_rest(), gradient: scaled(self.axis, along_axis) }
+        LocalNusselt { nusselt, gradient: scaled(self.axis, along_axis) }
     }
 }
 

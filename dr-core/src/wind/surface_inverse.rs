@@ -140,6 +140,19 @@ impl WindVector {
         })
     }
 
+    /// The same with another Nusselt number at rest than the form's.
+    ///
+    /// # Errors
+    /// As [`Nusselt::resting_at`].
+    pub fn resting_at(self, nusselt_at_rest: f32) -> Result<Self, ConfigError> {
+        Ok(Self { nusselt: self.nusselt.resting_at(nusselt_at_rest)?, ..self })
+    }
+
+    /// Whether it determines all components of a wind.
+    pub const fn is_complete(&self) -> bool {
+        self.frame.determined() == 3
+    }
+
     fn surfaces(&self) -> &[NusseltSurface] {
         self.surfaces.get(..usize::from(self.count)).unwrap_or(&self.surfaces)
     }

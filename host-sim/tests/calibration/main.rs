@@ -5,5 +5,6 @@ mod derivatives;
 mod other_heads;
 mod refused;
 mod spheres;
+mod streams;
 mod tunnel;
 mod winds;

@@ -3,8 +3,8 @@
 
 use anemometry::calibrate::drawn::surfaces_of;
 use anemometry::calibrate::{
-    CalibrateError, ComparisonSummary, DrawnSurface, DrawnSurfaces, LossLaw, SteadyWind, SurfaceCalibration,
-    SurfaceReading, calibrate, compare,
+    CalibrateError, ComparisonSummary, DrawnSurface, DrawnSurfaces, LossLaw, SoughtConvection, SteadyWind,
+    SurfaceCalibration, SurfaceReading, calibrate, compare,
 };
 use anemometry::gas::{IdealGas, Species};
 use anemometry::head::body::{CylinderShape, WireLaw, WireShape};
@@ -40,7 +40,7 @@ fn air() -> IdealGas {
 fn drawn(form: HeadForm, law: LossLaw, normals: &[[f64; 3]], diameter_m: f64) -> DrawnSurfaces {
     let surfaces = surfaces_of(form, normals, diameter_m, 0.01).unwrap().into_iter().enumerate();
     let surfaces = surfaces.map(|(i, config)| DrawnSurface { name: format!("surface{}", i + 1), config }).collect();
-    DrawnSurfaces { form, law, diameter_m, surfaces }
+    DrawnSurfaces { form, law, diameter_m, surfaces, convection: SoughtConvection::default() }
 }
 
 impl Bench<'_> {

@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution as _, StandardNormal};
 
-use anemometry::calibrate::{DrawnSurface, DrawnSurfaces, LossLaw, SteadyWind, SurfaceReading};
+use anemometry::calibrate::{DrawnSurface, DrawnSurfaces, LossLaw, SoughtConvection, SteadyWind, SurfaceReading};
 use anemometry::gas::{IdealGas, Species};
 use anemometry::vector::unit;
 use host_sim::sensor::convection::sphere_surfaces::SphereSurfaces;
@@ -57,7 +57,13 @@ impl Tunnel {
             true => named("sector", &tetrahedral_sectors(d)),
             false => named("hemisphere", &hemispheres(d)),
         };
-        DrawnSurfaces { form: HeadForm::Sphere, law: LossLaw::Spline, diameter_m: DIAMETER_M, surfaces }
+        DrawnSurfaces {
+            form: HeadForm::Sphere,
+            law: LossLaw::Spline,
+            diameter_m: DIAMETER_M,
+            surfaces,
+            convection: SoughtConvection::default(),
+        }
     }
 
     fn conductance_w_k(&self, gas_k: f64, wind_m_s: Vector3<f64>) -> Vec<f64> {

@@ -7,7 +7,10 @@ use dr_core::model::{
 };
 use dr_core::sensor::{Channel, Platinum};
 use dr_core::wind::HeadForm;
-use dr_core::wind::{CalibrationUncertainty, CardConfig, GasLawConfig, HeadSurface, SurfaceConfig, WindOutputConfig};
+use dr_core::wind::{
+    CalibrationUncertainty, CardConfig, ConvectionConfig, GasLawConfig, HeadSurface, RiseConfig, StemConfig,
+    SurfaceConfig, WindOutputConfig,
+};
 
 extern crate std;
 use std::vec::Vec;
@@ -74,6 +77,16 @@ fn one_of_each() -> Vec<Setting> {
         Command::Element { element: 1, config: ElementConfig { channel, limits } },
         Command::Model { element: 2, model },
         Command::Drive { element: 3, drive: Drive::Passive },
+        Command::Wind(WindCommand::Convection(ConvectionConfig {
+            film_share: 0.5,
+            nusselt_at_rest: 2.0,
+            slowest_reynolds: 8.0,
+            gas_c: [-64.0, -32.0],
+            speed_share_per_k: 0.25,
+            direction_rad_per_k: 0.5,
+            rise: Some(RiseConfig { gravity_m_s2: 4.0, up: [1.0; 3], at_rest: 0.5, decay: 1.0 }),
+            stem: Some(StemConfig { axis: [2.0; 3], unknown_chord: 0.25, factor: [0.75; 8], deflection: [0.125; 8] }),
+        })),
         Command::Wind(WindCommand::Uncertainty(CalibrationUncertainty {
             conductance_share: [0.5; 4],
             speed_share: [0.25; 4],

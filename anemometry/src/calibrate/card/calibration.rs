@@ -49,7 +49,7 @@ impl CardCalibration {
     /// # Errors
     /// If it makes no card, or the reading cannot be meant.
     pub fn compare(&self, steady: &SteadyWind) -> Result<Option<ComparedWind>, CalibrateError> {
-        let gas = steady.core_gas()?;
+        let gas = steady.core_gas(0.0)?;
         let mut measured = [None; DICE];
         for (i, (measured, reading)) in measured.iter_mut().zip(&steady.surfaces).enumerate() {
             let share = self.gains[i] / reading.overheat_k;

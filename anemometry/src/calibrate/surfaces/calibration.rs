@@ -5,11 +5,14 @@
 
 use std::fmt;
 
+use dr_core::ConfigError;
+use dr_core::wind::free_stream::STEM_KNOTS;
 use dr_core::wind::nusselt::POINTS;
-use dr_core::wind::{HeadForm, MeasuredConductance, SurfaceConfig};
+use dr_core::wind::{ConvectionSettings, HeadForm, MeasuredConductance, SurfaceConfig, WindVector};
 use nalgebra::DMatrix;
 use serde::Serialize;
 
+use super::super::drawn::DrawnOptions;
 use super::super::error::WorstReading;
 use super::super::steady_wind::SurfaceReading;
 use super::equations::{QUIESCENT, SurfaceEquations, SurfaceProblem};
@@ -17,12 +20,23 @@ use super::family::AmplitudeShape;
 use super::fit::SurfaceFit;
 use super::grade::{ADVICE, CalibrationGrade};
 use super::king::FittedKing;
-use crate::head::calibration::table::NusseltTable;
+use super::stream::{SoughtConvection, chord};
+use crate::gas::ZERO_CELSIUS_K;
+use crate::head::calibration::table::{ConvectionModelTable, NusseltTable, PropertyTemperature, RiseTable, StemTable};
 use crate::vector::length;
 use recording::text::{count, estimate, short};
 
 /// Nusselt numbers beyond so many times published ones are those of wrong units.
 const UNLIKELY: f64 = 5.0;
+/// What a gas that is a kelvin beyond those of the calibration adds to the uncertainty of the speed,
+/// as its share, and of the direction, °: of calibrations in gas of one temperature, and of several
+/// (`anemo benchmark field`).
+const AWAY_OF_ONE: (f64, f64) = (1.6e-3, 0.016);
+const AWAY_OF_TWO: (f64, f64) = (1.5e-4, 0.008);
+/// Winds are unknown nearer to the stem than the nearest one by so much, °; and no farther than a
+/// stem reaches.
+const NEAREST_DEG: f64 = 1.0;
+const MOST_UNKNOWN_DEG: f64 = 35.0;
 /// Readings that leave a greater part of what is known of G0 before any of them have not fitted it.
 const FITTED: f64 = 0.5;
 
@@ -66,6 +80,14 @@ pub struct SurfaceCalibration {
     pub king: Option<FittedKing>,
     /// Orders of the amplitudes.
     pub orders: Vec<usize>,
+    /// Σ of squares, of the readings and of what was known before.
+    pub cost: f64,
+    /// How the convection of a sphere is taken.
+    pub convection: Option<ConvectionModelTable>,
+    /// Standard uncertainties of a and b of the rise, where it is sought.
+    pub rise_errors: Option<[f64; 2]>,
+    /// What was sought of it.
+    pub sought: SoughtConvection,
 }
 
 /// A surface of a calibrated head.
@@ -165,7 +187,35 @@ impl SurfaceCalibration {
             },
             king,
             orders: family.orders.clone(),
+            cost: equations.cost,
+            convection: convection(problem, fitted),
+            rise_errors: (head.convection.of_rise() > 0).then(|| {
+                let first = problem.first_of_stream(place);
+                [first, first + 1].map(|k| covariance[(k, k)].sqrt())
+            }),
+            sought: head.convection.clone(),
         }
+    }
+
+    /// The head as dr-core inverts it, with how its convection is taken.
+    pub(super) fn of_board(&self, direction_error_max_rad: f32) -> Result<BoardHead, ConfigError> {
+        let surfaces: Vec<SurfaceConfig> = self.surfaces.iter().map(|of| of.config).collect();
+        let diameter_m = self.diameter_m as f32;
+        let vector = WindVector::new(self.form, &self.curves.config(), &surfaces, diameter_m, direction_error_max_rad)?;
+        let Some(convection) = &self.convection else { return Ok(BoardHead { vector, convection: None }) };
+        let convection = ConvectionSettings::new(&convection.config())?;
+        Ok(BoardHead { vector: vector.resting_at(convection.nusselt_at_rest)?, convection: Some(convection) })
+    }
+
+    /// Share of the way from the gas to the surfaces at which properties are taken.
+    pub fn film_share(&self) -> f64 {
+        self.convection.as_ref().map_or(0.0, |of| of.properties.film_share())
+    }
+
+    /// Reynolds numbers of the slowest and the fastest wind.
+    pub fn reynolds(&self) -> [f64; 2] {
+        let least = self.convection.as_ref().map_or(self.curves.least_reynolds, |of| of.slowest_reynolds);
+        [least, self.curves.most_reynolds]
     }
 
     /// What the calibration is worth.
@@ -182,6 +232,12 @@ impl SurfaceCalibration {
                 "the calibration is poor: the model misses the convective power by {percent:.1} % rms, most in {} at {}; {ADVICE}",
                 worst.label, worst.surface
             ));
+        }
+        if self.sought.is_without_quiescent {
+            sentences.push(
+                "quiescent gas contradicts the winds, and was left out: was it quiescent, and does warm gas rise that --gravity leaves out?"
+                    .to_owned(),
+            );
         }
         let likely = self.over_published();
         if !(1.0 / UNLIKELY..=UNLIKELY).contains(&likely) {
@@ -261,6 +317,7 @@ impl fmt::Display for SurfaceCalibration {
         if self.form != HeadForm::Single {
             self.write_mounting(f)?;
         }
+        self.write_convection(f)?;
         writeln!(f, "{:<12} {:>23} {:>23}", "surface", "gain", "G0 mW/K")?;
         for surface in &self.surfaces {
             writeln!(
@@ -280,6 +337,29 @@ impl fmt::Display for SurfaceCalibration {
 }
 
 impl SurfaceCalibration {
+    fn write_convection(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(of) = &self.convection else { return Ok(()) };
+        let at = match of.properties {
+            PropertyTemperature::Film => "film temperature",
+            PropertyTemperature::Gas => "the temperature of the gas",
+        };
+        writeln!(f, "properties of the gas at {at}, Nu at rest {}", short(of.nusselt_at_rest, 3))?;
+        if let (Some(rise), Some([a, b])) = (&of.rise, self.rise_errors) {
+            writeln!(
+                f,
+                "rise of the warmed gas: a {}, b {}, at {} m/s²",
+                estimate(rise.at_rest, a),
+                estimate(rise.decay, b),
+                rise.gravity_m_s2
+            )?;
+        }
+        if let Some(stem) = of.stem.as_ref().filter(|stem| stem.factor.iter().any(|factor| *factor != 1.0)) {
+            let least = stem.factor.iter().copied().fold(f64::INFINITY, f64::min);
+            writeln!(f, "behind the stem: down to {:.0} % of the speed", 100.0 * least)?;
+        }
+        Ok(())
+    }
+
     fn write_mounting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let degrees = |v: [f64; 3]| v.map(f64::to_degrees);
         let ([x, y, z], [ex, ey, ez]) = (degrees(self.rotation_rad), degrees(self.rotation_error_rad));
@@ -302,6 +382,53 @@ impl CalibratedSurface {
             false => format!("taken {}", short(1e3 * self.quiescent_w_k, 2)),
         }
     }
+}
+
+/// A calibrated head as the board has it.
+pub(super) struct BoardHead {
+    pub vector: WindVector,
+    pub convection: Option<ConvectionSettings>,
+}
+
+/// How the convection of a sphere was taken.
+fn convection(problem: &SurfaceProblem<'_>, fitted: &SurfaceFit) -> Option<ConvectionModelTable> {
+    let (sought, place) = (&problem.head.drawn.convection, &fitted.place);
+    if !problem.head.form().is_sphere() {
+        return None;
+    }
+    let moving = || problem.winds.iter().filter(|wind| !wind.is_quiescent());
+    let slowest_reynolds = moving().map(|wind| wind.reynolds).fold(f64::INFINITY, f64::min);
+    let rise = sought.rise.map(|gravity| RiseTable {
+        gravity_m_s2: gravity.m_s2,
+        up: gravity.up,
+        at_rest: place.stream[0].max(0.0),
+        decay: place.stream[1].max(0.0),
+    });
+    let stem = problem.head.is_complete().then(|| {
+        let axis = sought.stem.unwrap_or(DrawnOptions::default().stem);
+        let (factor, deflection) = match sought.stem {
+            Some(_) => sought.stem_map(&place.stream),
+            None => ([1.0; STEM_KNOTS], [0.0; STEM_KNOTS]),
+        };
+        // The nearest wind, less what a direction is off.
+        let nearest = moving().map(|wind| chord(wind.towards, axis)).fold(2.0, f64::min);
+        let nearest_deg = 2.0 * (0.5 * nearest).min(1.0).asin().to_degrees() - NEAREST_DEG;
+        StemTable { axis, unknown_deg: nearest_deg.clamp(0.0, MOST_UNKNOWN_DEG), factor, deflection }
+    });
+    let properties = if sought.film_share > 0.0 { PropertyTemperature::Film } else { PropertyTemperature::Gas };
+    let nusselt_at_rest = problem.family.rest(&place.coefficients);
+    let gas_c = |pick: fn(f64, f64) -> f64| moving().map(|wind| wind.gas_k - ZERO_CELSIUS_K).reduce(pick);
+    let (speed_share_per_k, direction_deg_per_k) = if sought.is_rest_sought { AWAY_OF_TWO } else { AWAY_OF_ONE };
+    Some(ConvectionModelTable {
+        properties,
+        nusselt_at_rest,
+        slowest_reynolds,
+        gas_c: [gas_c(f64::min)?, gas_c(f64::max)?],
+        speed_share_per_k,
+        direction_deg_per_k,
+        rise,
+        stem,
+    })
 }
 
 /// Reynolds numbers at which the board has amplitudes: even in their logarithm.

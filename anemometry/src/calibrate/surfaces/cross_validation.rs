@@ -6,13 +6,13 @@
 //! | direction | angle between estimate and wind | the same, in the plane | difference of the angles to the axis | none |
 //! | speed | (estimate − wind) / wind | the same, of the wind in the plane | the same, of the whole speed | the same |
 
-use dr_core::wind::{HeadForm, MeasuredConductance, QualityFlags, SurfaceConfig, WindEstimate, WindState, WindVector};
+use dr_core::wind::{ConvectionSettings, HeadForm, MeasuredConductance, QualityFlags, WindEstimate, WindState};
 
 use super::super::compared::{ComparedWind, StatedError};
 use super::super::cross_validation::{CrossValidation, Scheme};
 use super::super::error::CalibrateError;
 use super::super::steady_wind::SteadyWind;
-use super::calibration::SurfaceCalibration;
+use super::calibration::{BoardHead, SurfaceCalibration};
 use super::folds::folds;
 use super::readings::{self, DrawnSurfaces};
 use super::solve::solve;
@@ -53,10 +53,10 @@ pub fn compare(calibration: &SurfaceCalibration, steady: &SteadyWind) -> Result<
     if estimate.quality.has(QualityFlags::FAILED) || speed_m_s == 0.0 {
         return Ok(None);
     }
-    let gas = steady.core_gas()?;
+    let gas = steady.core_gas(calibration.film_share())?;
     let reynolds = speed_m_s * f64::from(gas.reynolds_per_speed(calibration.diameter_m as f32));
-    let curves = &calibration.curves;
-    let is_extrapolated = !(curves.least_reynolds..=curves.most_reynolds).contains(&reynolds);
+    let [least, most] = calibration.reynolds();
+    let is_extrapolated = !(least..=most).contains(&reynolds);
     Ok(Some(ComparedWind {
         reynolds,
         direction_deg: direction_deg(calibration, &estimate, wind_m_s),
@@ -80,12 +80,15 @@ fn estimate(
     calibration: &SurfaceCalibration,
     steady: &SteadyWind,
 ) -> Result<(WindEstimate, Vec<Option<MeasuredConductance>>), CalibrateError> {
-    let surfaces: Vec<SurfaceConfig> = calibration.surfaces.iter().map(|of| of.config).collect();
-    let (curves, diameter_m) = (calibration.curves.config(), calibration.diameter_m as f32);
-    let head = WindVector::new(calibration.form, &curves, &surfaces, diameter_m, DIRECTION_ERROR_MAX_RAD)?;
+    let BoardHead { vector, convection } = calibration.of_board(DIRECTION_ERROR_MAX_RAD)?;
     let measured: Vec<Option<MeasuredConductance>> =
         steady.surfaces.iter().enumerate().map(|(i, reading)| Some(calibration.measured(i, reading))).collect();
-    let estimate = head.step(&mut WindState::default(), &steady.core_gas()?, &measured);
+    let mut estimate = vector.step(&mut WindState::default(), &steady.core_gas(calibration.film_share())?, &measured);
+    if let Some(ConvectionSettings { free_stream, .. }) = convection {
+        let (overheat_k, gas_k) = (steady.overheat_k() as f32, steady.gas.temperature_k as f32);
+        let rise_speed_m_s = free_stream.rise_speed_m_s(overheat_k, gas_k, calibration.diameter_m as f32);
+        estimate = free_stream.described(estimate, rise_speed_m_s, DIRECTION_ERROR_MAX_RAD);
+    }
     Ok((estimate, measured))
 }
 

@@ -6,12 +6,16 @@
 //! c = 1 + Z u          Z: N × (N − 1), columns sum to zero, so that the mean of c is one
 //! ```
 //!
-//! Unknowns in this order: coefficients of the amplitudes, u, γ, turns of the mounting, and what is
-//! sought of King's law, its exponent m and the square of its yaw factor, κ. k̄ is the
+//! Unknowns in this order: coefficients of the amplitudes, u, γ, turns of the mounting, what is
+//! sought of King's law, its exponent m and the square of its yaw factor, κ, and what is sought of
+//! the [`stream`](super::stream), by which r moves. k̄ is the
 //! mean of k over the readings, so that γ is about the Nusselt number at rest, Nu_0. The prior
 //! enters as rows of its own: that of the [`family`](super::family), γ Nu_0 (1 ± `QUIESCENT`), u 0
 //! ± `GAIN`, and for a turn about the only axis of a cylinder or of wires 0 ± `TURN`.
 
+use std::borrow::Cow;
+
+use dr_core::wind::FreeStream;
 use dr_core::wind::nusselt::ORDERS;
 use dr_core::wind::surface::LocalNusselt;
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -19,6 +23,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use super::family::{AmplitudeFamily, AmplitudeShape, BasisAt, SIZE};
 use super::mounting::Mounting;
 use super::readings::{CheckedReading, CheckedWind, SurfaceGeometry};
+use super::stream::met_m_s;
 
 /// Relative standard error of γ before any reading: a reference gas some 20 K from the mean one,
 /// and the areas as drawn, make half of it.
@@ -27,6 +32,9 @@ pub const QUIESCENT: f64 = 0.3;
 const GAIN: f64 = 0.2;
 /// Standard error of a turn about the only axis before any reading, rad.
 const TURN: f64 = 0.1;
+
+/// Of ln Re, over which the slopes of amplitudes are taken.
+const SLOPE_STEP: f64 = 1e-3;
 
 /// U²/v² at least: that of a wind 0.06° from a wire of no yaw.
 const LEAST_SEEN: f64 = 1e-6;
@@ -107,6 +115,8 @@ pub struct FitPoint {
     pub mounting: Mounting,
     /// King's law, where its exponent or yaw factor is sought.
     pub law: SoughtLaw,
+    /// What is sought of the stream.
+    pub stream: Vec<f64>,
 }
 
 /// H and b of H δ = b, and what is left over.
@@ -150,6 +160,7 @@ impl<'a> SurfaceProblem<'a> {
             quiescent: vec![self.family.at_rest; n],
             mounting: Mounting::drawn(self.head.form(), &self.head.surfaces),
             law: SoughtLaw { exponent: 0.5, yaw_square: 1.0 },
+            stream: self.head.drawn.convection.start(),
         }
     }
 
@@ -173,16 +184,28 @@ impl<'a> SurfaceProblem<'a> {
         self.first_turn() + place.mounting.turns.ncols()
     }
 
-    /// Number of unknowns.
-    pub fn unknowns(&self, place: &FitPoint) -> usize {
+    /// First of what is sought of the stream.
+    pub fn first_of_stream(&self, place: &FitPoint) -> usize {
         self.first_of_law(place) + self.sought.len()
     }
 
-    /// Unknowns that are not negative, with their values: γ and κ.
+    /// Number of unknowns.
+    pub fn unknowns(&self, place: &FitPoint) -> usize {
+        self.first_of_stream(place) + place.stream.len()
+    }
+
+    /// Whether the stream of a point can be.
+    pub fn has_stream(&self, place: &FitPoint) -> bool {
+        place.stream.is_empty() || self.head.drawn.convection.free_stream(&place.stream).is_some()
+    }
+
+    /// Unknowns that are not negative, with their values: γ, κ, and those of the rise.
     pub fn not_negative(&self, place: &FitPoint) -> Vec<(usize, f64)> {
         let quiescent = place.quiescent.iter().enumerate().map(|(i, still)| (self.first_quiescent() + i, *still));
         let yaw = self.sought.iter().position(|of| *of == LawUnknown::YawSquare);
-        quiescent.chain(yaw.map(|k| (self.first_of_law(place) + k, place.law.yaw_square))).collect()
+        let of_rise = place.stream.iter().take(self.head.drawn.convection.of_rise()).copied().enumerate();
+        let rise = of_rise.map(|(k, value)| (self.first_of_stream(place) + k, value));
+        quiescent.chain(yaw.map(|k| (self.first_of_law(place) + k, place.law.yaw_square))).chain(rise).collect()
     }
 
     /// The point that a step leads to.
@@ -190,6 +213,7 @@ impl<'a> SurfaceProblem<'a> {
         let by = by.as_slice();
         let (gain, still, turn) = (self.first_gain(), self.first_quiescent(), self.first_turn());
         let (turns, of_law) = by[turn..].split_at(place.mounting.turns.ncols());
+        let (of_law, of_stream) = of_law.split_at(self.sought.len());
         let mut law = place.law;
         for (unknown, by) in self.sought.iter().zip(of_law) {
             match unknown {
@@ -205,6 +229,7 @@ impl<'a> SurfaceProblem<'a> {
             quiescent: plus(&place.quiescent, &by[still..turn]),
             mounting: place.mounting.turned(turns),
             law,
+            stream: plus(&place.stream, of_stream),
         }
     }
 
@@ -215,13 +240,22 @@ impl<'a> SurfaceProblem<'a> {
         let (mut rows, mut residuals, mut relative_errors) = (Vec::new(), Vec::new(), Vec::new());
         let mut relative_square = 0.0;
         let mut row = vec![0.0; m];
+        let convection = &self.head.drawn.convection;
+        let free = convection.free_stream(&place.stream).unwrap_or_default();
+        let moved = convection.moved(&place.stream);
         for (wind, at) in self.winds.iter().zip(&self.at) {
-            let stream = at.as_ref().map(|at| StreamAt {
-                at,
-                amplitudes: self.family.amplitudes(at, &place.coefficients),
-                from: -place.mounting.inward(wind.towards),
-                speed_ln: (wind.reynolds / self.family.most_reynolds).ln(),
-            });
+            let stream = match (place.stream.is_empty(), at) {
+                (false, _) => self.moving(place, wind, &free, &moved),
+                (true, None) => None,
+                (true, Some(at)) => Some(StreamAt {
+                    at: Cow::Borrowed(at),
+                    amplitudes: self.family.amplitudes(at, &place.coefficients),
+                    from: -place.mounting.inward(wind.towards),
+                    speed_ln: (wind.reynolds / self.family.most_reynolds).ln(),
+                    moves: Vec::new(),
+                    slopes: [0.0; ORDERS],
+                }),
+            };
             for (i, CheckedReading { reading, unit_w_k }) in wind.rows.iter().enumerate() {
                 row.fill(0.0);
                 let unit_w = reading.overheat_k * unit_w_k;
@@ -232,7 +266,12 @@ impl<'a> SurfaceProblem<'a> {
                         self.law_row(place, i, stream, weight, &mut row)
                     }
                     Some(stream) => self.wind_row(place, i, stream, weight, &mut row),
-                    None => self.family.at_rest,
+                    None => {
+                        if self.family.is_rest_sought {
+                            row[self.family.count() - 1] = weight;
+                        }
+                        self.family.rest(&place.coefficients)
+                    }
                 };
                 for k in 0..self.spread.ncols() {
                     row[self.first_gain() + k] = -weight * nusselt / place.gains[i] * self.spread[(i, k)];
@@ -255,9 +294,40 @@ impl<'a> SurfaceProblem<'a> {
         SurfaceEquations { h, b, cost, chi_square, of_readings, rows, relative_errors, residuals, relative_square }
     }
 
+    /// The stream that is met in a wind, if there is one, and how its Reynolds vector moves with
+    /// what is sought of it.
+    fn moving(
+        &self,
+        place: &FitPoint,
+        wind: &CheckedWind,
+        free: &FreeStream,
+        moved: &[(FreeStream, f64)],
+    ) -> Option<StreamAt<'_>> {
+        let vector = |stream: &FreeStream| {
+            place.mounting.inward(met_m_s(stream, wind).map(|v_m_s| v_m_s * wind.reynolds_per_speed))
+        };
+        let here = vector(free);
+        let reynolds = here.norm();
+        if reynolds <= 0.0 {
+            return None;
+        }
+        let at = self.family.at(reynolds);
+        let amplitudes = self.family.amplitudes(&at, &place.coefficients);
+        let [below, above] = [-SLOPE_STEP, SLOPE_STEP]
+            .map(|by| self.family.amplitudes(&self.family.at(reynolds * by.exp()), &place.coefficients));
+        Some(StreamAt {
+            amplitudes,
+            slopes: std::array::from_fn(|n| (above[n] - below[n]) / (2.0 * SLOPE_STEP)),
+            at: Cow::Owned(at),
+            from: -here / reynolds,
+            speed_ln: (reynolds / self.family.most_reynolds).ln(),
+            moves: moved.iter().map(|(stream, step)| (vector(stream) - here) / (step * reynolds)).collect(),
+        })
+    }
+
     /// Nu of surface `i`, and its derivatives to amplitudes and turns, each times `weight`.
     fn wind_row(&self, place: &FitPoint, i: usize, stream: &StreamAt<'_>, weight: f64, row: &mut [f64]) -> f64 {
-        let StreamAt { at, amplitudes, from, .. } = stream;
+        let StreamAt { at, amplitudes, from, moves, slopes, .. } = stream;
         let means: [LocalNusselt; ORDERS] =
             self.head.surfaces[i].per_amplitude([from.x as f32, from.y as f32, from.z as f32]);
         for (place, shares) in row.iter_mut().zip(at.iter()) {
@@ -271,6 +341,10 @@ impl<'a> SurfaceProblem<'a> {
         // A small turn δ moves w by δ × w; at a Reynolds number of one the gradient is −∂Nu/∂w
         // across w.
         self.turn_row(place, gradient.cross(from), weight, row);
+        let slope: f64 = slopes.iter().zip(&means).map(|(slope, mean)| slope * f64::from(mean.nusselt)).sum();
+        for (k, by) in moves.iter().enumerate() {
+            row[self.first_of_stream(place) + k] = weight * (gradient - slope * from).dot(by);
+        }
         nusselt
     }
 
@@ -327,6 +401,16 @@ impl<'a> SurfaceProblem<'a> {
             row[self.first_quiescent() + i] = 1.0 / error;
             sums.add(&row, (self.family.at_rest - still) / error);
         }
+        let first = self.first_of_stream(place);
+        for (known, value) in self.head.drawn.convection.prior() {
+            row.fill(0.0);
+            let mut now = 0.0;
+            for (k, factor) in known {
+                row[first + k] = factor;
+                now += factor * place.stream[k];
+            }
+            sums.add(&row, value - now);
+        }
         if !self.head.form().is_sphere() {
             let turned = Vector3::from(place.mounting.vector());
             for k in 0..place.mounting.turns.ncols() {
@@ -340,12 +424,16 @@ impl<'a> SurfaceProblem<'a> {
 
 /// The stream of one wind at a place.
 struct StreamAt<'a> {
-    at: &'a BasisAt,
+    at: Cow<'a, BasisAt>,
     amplitudes: [f64; ORDERS],
     /// w in the head's frame.
     from: Vector3<f64>,
     /// ln(Re/Re_most)
     speed_ln: f64,
+    /// How r moves with what is sought of it, over Re.
+    moves: Vec<Vector3<f64>>,
+    /// d a_n / d ln Re
+    slopes: [f64; ORDERS],
 }
 
 /// Upper triangle of H, b and the cost.

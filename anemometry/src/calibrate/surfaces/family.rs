@@ -20,6 +20,7 @@
 //! | of | value | standard error | reason |
 //! |---|---|---|---|
 //! | curvature of Σ C B in ln Re | 0 | `CURVATURE` | the published sphere has 2 at most, and more only at a change of regime |
+//! | Nu at rest, where it is sought | β_0 | `REST` β_0 | a stem and a body that is no sphere change it |
 //! | C_nk, n ≥ 2 | 0 | `SIZE` | no published amplitude is half of this up to Re 300 |
 //!
 //! An order that no surface of the head sees (the even ones of two hemispheres) is left out and
@@ -31,6 +32,8 @@ use dr_core::wind::{HeadForm, SurfaceConfig};
 use super::spline::{LEAST_COUNT, Spline};
 
 const CURVATURE: f64 = 6.0;
+/// Relative standard error of Nu at rest before any reading.
+const REST: f64 = 0.15;
 /// Prior size of a coefficient.
 pub const SIZE: f64 = 8.0;
 /// More coefficients would follow the noise: the amplitudes have no more shape than this between
@@ -68,6 +71,8 @@ pub struct AmplitudeFamily {
     pub most_reynolds: f64,
     /// The orders that the head sees.
     pub orders: Vec<usize>,
+    /// Whether Nu at rest is sought, as what the last coefficient adds to β_0.
+    pub is_rest_sought: bool,
 }
 
 /// What a unit of each coefficient gives to each amplitude at one Reynolds number.
@@ -86,21 +91,34 @@ impl AmplitudeFamily {
             least_reynolds: reynolds[0],
             most_reynolds: reynolds[reynolds.len() - 1],
             orders,
+            is_rest_sought: false,
         }
+    }
+
+    /// Nu at rest.
+    pub fn rest(&self, coefficients: &[f64]) -> f64 {
+        let sought = self.is_rest_sought.then(|| coefficients.last().copied()).flatten();
+        self.at_rest + sought.unwrap_or(0.0)
     }
 
     /// Number of coefficients of all orders.
     pub fn count(&self) -> usize {
-        match &self.shape {
+        let of_shape = match &self.shape {
             AmplitudeShape::Spline(spline) => self.orders.len() * spline.count(),
             AmplitudeShape::Law | AmplitudeShape::King { .. } => 2,
-        }
+        };
+        of_shape + usize::from(self.is_rest_sought)
     }
 
     /// The basis at a Reynolds number; nothing for the law itself.
     pub fn at(&self, reynolds: f64) -> BasisAt {
         let s = reynolds / self.most_reynolds;
         let mut rows = vec![[0.0; ORDERS]; self.count()];
+        if self.is_rest_sought
+            && let Some(rest) = rows.last_mut()
+        {
+            rest[0] = 1.0;
+        }
         match &self.shape {
             AmplitudeShape::Spline(spline) => {
                 let basis = spline.values(reynolds.ln());
@@ -141,6 +159,9 @@ impl AmplitudeFamily {
             if n >= 2 {
                 rows.extend((0..count).map(|k| vec![(j * count + k, 1.0 / size)]));
             }
+        }
+        if self.is_rest_sought {
+            rows.push(vec![(self.count() - 1, 1.0 / (REST * self.at_rest))]);
         }
         rows
     }

@@ -28,6 +28,9 @@ const DAMPING: f64 = 1e-2;
 const MOST_STEPS: usize = 200;
 /// Far below one standard error, and above what the f32 means of the surfaces make of the cost.
 const SMALL: f64 = 1e-3;
+/// The same where the stream is sought, which dr-core gives in f32: where no step pays, rounding
+/// ends it.
+const SMALL_OF_STREAM: f64 = 0.5;
 /// Damping at which a step is too short to be one.
 const MOST_DAMPING: f64 = 1e8;
 const LEAST_DAMPING: f64 = 1e-9;
@@ -85,12 +88,14 @@ fn descend(problem: &SurfaceProblem<'_>, mut place: FitPoint, stage: FitStage) -
         let sane = there.gains.iter().all(|c| LIKELY_GAINS.contains(c))
             && LIKELY_EXPONENTS.contains(&there.law.exponent)
             && (0.0..=1.0).contains(&there.law.yaw_square)
-            && step.iter().all(|x| x.is_finite());
+            && step.iter().all(|x| x.is_finite())
+            && problem.has_stream(&there);
         let next = sane.then(|| problem.equations(&there, stage)).filter(|next| next.cost < here.cost);
         // Of readings that scatter by more than they say, a standard error is larger.
         let scatter = (here.cost / here.residuals.len() as f64).max(1.0);
         // Tenfold and a tenth of it do not bring a damping back to the bit.
-        let done = damping < 2.0 * DAMPING && promised < SMALL * scatter;
+        let small = if place.stream.is_empty() { SMALL } else { SMALL_OF_STREAM };
+        let done = damping < 2.0 * DAMPING && promised < small * scatter;
         match next {
             Some(next) => {
                 (place, here) = (there, next);
@@ -102,7 +107,7 @@ fn descend(problem: &SurfaceProblem<'_>, mut place: FitPoint, stage: FitStage) -
             return Some(place);
         }
         if damping > MOST_DAMPING {
-            return None;
+            return (!place.stream.is_empty()).then_some(place);
         }
     }
     None

@@ -15,6 +15,8 @@
 //! | [`readings`] | input, checked |
 //! | [`speeds`], [`spread`] | whether the winds determine the unknowns, and which are missing |
 //! | [`spline`], [`family`] | amplitudes as functions of the Reynolds number, and their prior |
+//! | [`stream`] | rise of the warmed gas, and what is behind the stem |
+//! | [`choice`] | which convection the readings determine |
 //! | [`mounting`] | the turn between tunnel and head |
 //! | [`king`] | exponent and yaw factor of King's law |
 //! | [`equations`], [`fit`] | weighted least squares |
@@ -35,10 +37,11 @@
 //! amplitudes have at Re 200. Gas 5 K warmer or colder than in the calibration costs nothing,
 //! without quiescent gas among the readings 0.5 % of speed.
 //!
-//! *Limits.* The winds count as known exactly; their errors belong into the variances. No stem, no
-//! free convection, one Prandtl number.
+//! *Limits.* The winds count as known exactly; their errors belong into the variances. One Prandtl
+//! number.
 
 pub mod calibration;
+pub mod choice;
 pub mod cross_validation;
 pub mod equations;
 pub mod family;
@@ -52,3 +55,4 @@ pub mod solve;
 pub mod speeds;
 pub mod spline;
 pub mod spread;
+pub mod stream;

@@ -20,11 +20,15 @@ use dr_core::wind::{HeadForm, NusseltSurface, SurfaceConfig};
 use super::super::error::CalibrateError;
 use super::super::steady_wind::{SteadyWind, SurfaceReading};
 use super::family::seen_orders;
-use crate::vector::{across, dot, length};
+use super::stream::SoughtConvection;
+use crate::vector::{across, cross, dot, length};
 use recording::text::{count, tidy};
 
 /// Reynolds numbers that a calibration takes; those of dr-core's amplitudes are wider.
 const REYNOLDS: std::ops::RangeInclusive<f64> = 1e-2..=1e5;
+
+/// Volume that three axes span at least, if they are in no plane.
+const LEAST_VOLUME: f64 = 0.1;
 
 /// Greatest share of a wind that may blow along a cylinder or across the plane of wires.
 const MOST_ACROSS: f64 = 0.1;
@@ -40,6 +44,8 @@ pub struct DrawnSurfaces {
     pub diameter_m: f64,
     /// As many as the form has at least.
     pub surfaces: Vec<DrawnSurface>,
+    /// How convection is taken.
+    pub convection: SoughtConvection,
 }
 
 /// How the convective loss depends on the speed.
@@ -85,6 +91,14 @@ pub struct CheckedWind {
     pub speed_m_s: f64,
     /// Re; zero in quiescent gas.
     pub reynolds: f64,
+    /// Re of 1 m/s, s/m.
+    pub reynolds_per_speed: f64,
+    /// Mean overheat of the surfaces, K.
+    pub overheat_k: f64,
+    /// Temperature of the gas, K.
+    pub gas_k: f64,
+    /// Diameter of the body, m.
+    pub diameter_m: f64,
     /// v/|v|; zero in quiescent gas.
     pub towards: [f64; 3],
     /// Readings, one a surface.
@@ -111,6 +125,13 @@ impl SurfaceGeometry<'_> {
     /// What the surfaces belong to.
     pub fn form(&self) -> HeadForm {
         self.drawn.form
+    }
+
+    /// Whether the axes of its surfaces span space, so that it determines all of a wind.
+    pub fn is_complete(&self) -> bool {
+        let axes: Vec<[f64; 3]> = self.surfaces.iter().map(|of| of.axis().map(f64::from)).collect();
+        let spans = |a: &[f64; 3], b: &[f64; 3]| axes.iter().any(|c| dot(cross(*a, *b), *c).abs() > LEAST_VOLUME);
+        self.form().is_sphere() && axes.iter().any(|a| axes.iter().any(|b| spans(a, b)))
     }
 }
 
@@ -154,28 +175,38 @@ fn wind(head: &SurfaceGeometry<'_>, given: usize, steady: &SteadyWind) -> Result
     if let Some(bad) = steady.wind_m_s.iter().find(|v| !v.is_finite()) {
         return Err(steady.refuse(format!("a component of the wind is {bad}; it must be a number in m/s")));
     }
-    let gas = steady.core_gas()?;
+    if let Some(problem) = head.drawn.surfaces.iter().zip(&steady.surfaces).find_map(|(of, read)| fault(&of.name, read))
+    {
+        return Err(steady.refuse(problem));
+    }
+    let gas = steady.core_gas(head.drawn.convection.film_share)?;
     let diameter_m = head.drawn.diameter_m as f32;
     let wind_m_s = in_plane(head, steady)?;
     let speed_m_s = length(wind_m_s);
-    let reynolds = speed_m_s * f64::from(gas.reynolds_per_speed(diameter_m));
+    let reynolds_per_speed = f64::from(gas.reynolds_per_speed(diameter_m));
+    let reynolds = speed_m_s * reynolds_per_speed;
     if speed_m_s > 0.0 && !REYNOLDS.contains(&reynolds) {
         let (least, most) = (*REYNOLDS.start(), *REYNOLDS.end());
         return Err(steady.refuse(format!(
             "{speed_m_s} m/s make a Reynolds number of {reynolds:.3e}; it must lie within {least:e} and {most:e}, or the wind be zero"
         )));
     }
-    let surfaces = head.drawn.surfaces.iter().zip(&head.surfaces);
-    let rows = steady.surfaces.iter().zip(surfaces).map(|(reading, (drawn, of))| {
-        if let Some(problem) = fault(&drawn.name, reading) {
-            return Err(steady.refuse(problem));
-        }
+    let rows = steady.surfaces.iter().zip(&head.surfaces).map(|(reading, of)| {
         let unit_w_k = f64::from(gas.conductance_per_nusselt_w_k(diameter_m, of.area_m2()));
-        Ok(CheckedReading { reading: *reading, unit_w_k })
+        CheckedReading { reading: *reading, unit_w_k }
     });
-    let towards = if speed_m_s > 0.0 { wind_m_s.map(|v| v / speed_m_s) } else { [0.0; 3] };
-    let rows = rows.collect::<Result<_, CalibrateError>>()?;
-    Ok(CheckedWind { label: steady.label.clone(), given, speed_m_s, reynolds, towards, rows })
+    Ok(CheckedWind {
+        label: steady.label.clone(),
+        given,
+        speed_m_s,
+        reynolds,
+        reynolds_per_speed,
+        overheat_k: steady.overheat_k(),
+        gas_k: steady.gas.temperature_k,
+        diameter_m: head.drawn.diameter_m,
+        towards: if speed_m_s > 0.0 { wind_m_s.map(|v| v / speed_m_s) } else { [0.0; 3] },
+        rows: rows.collect(),
+    })
 }
 
 /// What of a wind the head sees.

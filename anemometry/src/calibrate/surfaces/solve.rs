@@ -7,11 +7,16 @@ use super::equations::SurfaceProblem;
 use super::family::AmplitudeFamily;
 use super::grade::CalibrationGrade;
 use super::readings::{self, CheckedWind, DrawnSurfaces, LossLaw, SurfaceGeometry};
+use super::stream::met_m_s;
 use super::{fit, king, speeds, spread};
+use crate::vector::length;
 
 /// Of the convective power, rms. Two parts in each other's place leave 24 %; no stem takes as much
 /// as this.
 const MOST_RESIDUAL_RMS: f64 = 0.1;
+
+/// Of the slowest stream that the rise leaves of a wind: it is known only afterwards.
+const SLOWER: f64 = 0.7;
 
 /// Calibrates a head.
 ///
@@ -38,7 +43,10 @@ pub fn calibrate(head: &DrawnSurfaces, steady: &[SteadyWind]) -> Result<SurfaceC
 /// As [`calibrate`].
 pub fn solve(head: &DrawnSurfaces, steady: &[SteadyWind]) -> Result<SurfaceCalibration, CalibrateError> {
     let ready = readings::ready(head)?;
-    let winds = readings::winds(&ready, steady)?;
+    let mut winds = readings::winds(&ready, steady)?;
+    if head.convection.is_without_quiescent {
+        winds.retain(|wind| !wind.is_quiescent());
+    }
     let moving = speeds::ascending(&winds);
     let (Some(first), Some(last)) = (moving.first(), moving.last()) else {
         return Err(CalibrateError::Spread(vec!["all readings are of quiescent gas: winds are missing".into()]));
@@ -57,9 +65,19 @@ pub fn solve(head: &DrawnSurfaces, steady: &[SteadyWind]) -> Result<SurfaceCalib
     }
     let end = reynolds.len() - 1;
     (reynolds[0], reynolds[end]) = (first.reynolds, last.reynolds);
+    if head.convection.rise.is_some() {
+        // The rise alone is a slow stream, too, and takes from a slow wind that sinks.
+        let stream = head.convection.free_stream(&head.convection.start()).unwrap_or_default();
+        let slow = winds.iter().map(|wind| wind.reynolds_per_speed * length(met_m_s(&stream, wind)));
+        let slowest = SLOWER * slow.fold(f64::INFINITY, f64::min);
+        if slowest < reynolds[0] && slowest > 0.0 {
+            reynolds.insert(0, slowest);
+        }
+    }
 
     let orders = ready.orders.iter().copied().take(spread::angles_apart(&ready, &moving)).collect();
-    let family = AmplitudeFamily::new(head.form, &reynolds, orders, moving.len() * head.surfaces.len());
+    let mut family = AmplitudeFamily::new(head.form, &reynolds, orders, moving.len() * head.surfaces.len());
+    family.is_rest_sought = head.convection.is_rest_sought;
     let mut calibration = by_law(head.law, &ready, &winds, &family)?;
     if calibration.grade() == CalibrationGrade::Poor {
         // What the model cannot follow is no reason to bend it from wind to wind: readings that
@@ -72,7 +90,10 @@ pub fn solve(head: &DrawnSurfaces, steady: &[SteadyWind]) -> Result<SurfaceCalib
         let SurfaceCalibration { residual_rms, worst, .. } = calibration;
         return Err(CalibrateError::Unexplained { residual_rms, worst });
     }
-    dr_core::wind::Nusselt::new(head.form, &calibration.curves.config())?;
+    let curves = dr_core::wind::Nusselt::new(head.form, &calibration.curves.config())?;
+    if let Some(convection) = &calibration.convection {
+        curves.resting_at(convection.nusselt_at_rest as f32)?;
+    }
     Ok(calibration)
 }
 

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use dr_core::model::ORDER;
 use dr_core::model::convection_observer::config::CROSS_ORDER;
 use dr_core::wind::card_inverse::DICE;
-use dr_core::wind::{HeadForm, Nusselt, NusseltSurface};
+use dr_core::wind::{ConvectionSettings, HeadForm, Nusselt, NusseltSurface};
 
 use super::checked::Calibration;
 use super::keys::CalibrationKeys;
@@ -169,7 +169,7 @@ impl Calibration {
     }
 
     fn check_curves(&self, keys: CalibrationKeys<'_>) -> Result<(), FileError> {
-        let CalibrationTable { nusselt, card, uncertainty, .. } = &self.table;
+        let CalibrationTable { nusselt, card, convection, uncertainty, .. } = &self.table;
         if let Some(Err(error)) = uncertainty.as_ref().map(|of| of.config().checked()) {
             return Err(keys.refuse("calibration.uncertainty", format!("cannot be used: {error}")));
         }
@@ -179,7 +179,11 @@ impl Calibration {
         }
         let Some(nusselt) = nusselt else { return Ok(()) };
         let made = Nusselt::new(self.table.form, &nusselt.config());
-        made.map(drop).map_err(|error| keys.refuse("calibration.nusselt", format!("cannot be used: {error}")))
+        let made = made.map_err(|error| keys.refuse("calibration.nusselt", format!("cannot be used: {error}")))?;
+        let Some(convection) = convection else { return Ok(()) };
+        let taken = ConvectionSettings::new(&convection.config());
+        let taken = taken.and_then(|taken| made.resting_at(taken.nusselt_at_rest));
+        taken.map(drop).map_err(|error| keys.refuse("calibration.convection", format!("cannot be used: {error}")))
     }
 
     fn knows(&self, element: usize) -> bool {

@@ -4,6 +4,7 @@ use dr_core::wind::{HeadForm, HeadSurface, WindCommand, WindOutputConfig};
 
 use super::checked::Calibration;
 use super::checks::GAS_C;
+use super::table::PropertyTemperature;
 use crate::gas_law::gas_law;
 use crate::head::error::WindSetupError;
 use crate::head::output::WindOutput;
@@ -12,6 +13,8 @@ use crate::network::observer::NetworkObserver;
 /// The gas is known so far on either side of the reference, K: further than any place on Mars goes
 /// in a year.
 const GAS_RANGE_K: f64 = 70.0;
+/// Its properties at film temperature are known so far beyond, K.
+const FILM_RANGE_K: f64 = 40.0;
 /// Smoothing time of the reference's readings, s.
 const REFERENCE_SMOOTHING_S: f64 = 1.0;
 
@@ -56,10 +59,13 @@ impl Calibration {
             };
             commands.push(WindCommand::Surface { surface: part, config });
         }
+        let convection = self.table.convection.as_ref();
+        commands.extend(convection.map(|of| WindCommand::Convection(of.config())));
         commands.extend(self.table.uncertainty.as_ref().map(|of| WindCommand::Uncertainty(of.config())));
         let reference_c = self.table.reference_gas_c;
         let least_c = (reference_c - GAS_RANGE_K).max(*GAS_C.start());
-        let most_c = (reference_c + GAS_RANGE_K).min(*GAS_C.end());
+        let is_film = convection.is_some_and(|of| of.properties == PropertyTemperature::Film);
+        let most_c = (reference_c + GAS_RANGE_K + if is_film { FILM_RANGE_K } else { 0.0 }).min(*GAS_C.end());
         commands.push(WindCommand::GasLaw(gas_law(self.table.species, least_c, most_c)?));
         commands.push(WindCommand::Output(self.answer(output, sample_period_s)?));
         Ok((commands, observer))

@@ -37,3 +37,4 @@ mod new;
 pub mod table;
 
 pub use checks::{DIAMETER_M, DIRECTION_ERROR_MAX_DEG};
+pub use table::PropertyTemperature;

@@ -3,8 +3,9 @@
 
 use dr_core::wind::calibration_uncertainty::{CalibrationUncertainty, KNOTS};
 use dr_core::wind::card_inverse::{KNOTS as CARD_KNOTS, TERMS};
+use dr_core::wind::free_stream::STEM_KNOTS;
 use dr_core::wind::nusselt::{ORDERS, POINTS};
-use dr_core::wind::{CardConfig, HeadForm, NusseltConfig, SurfaceConfig};
+use dr_core::wind::{CardConfig, ConvectionConfig, HeadForm, NusseltConfig, RiseConfig, StemConfig, SurfaceConfig};
 use serde::{Deserialize, Serialize};
 
 use crate::gas::Species;
@@ -39,6 +40,9 @@ pub struct CalibrationTable {
     /// The same of a card.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub card: Option<CardTable>,
+    /// How the convection of a sphere is taken.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub convection: Option<ConvectionModelTable>,
     /// What it adds to the uncertainty of the wind.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<UncertaintyTable>,
@@ -68,6 +72,68 @@ pub struct NusseltTable {
     pub most_reynolds: f64,
     /// a_0 … a_5 at Reynolds numbers in geometric progression from the least to the greatest.
     pub amplitudes: [[f64; ORDERS]; POINTS],
+}
+
+/// `[calibration.convection]`
+#[derive(Deserialize, Serialize, Clone, Debug, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct ConvectionModelTable {
+    /// At which temperature the properties of the gas are taken.
+    pub properties: PropertyTemperature,
+    /// Nusselt number in quiescent gas.
+    pub nusselt_at_rest: f64,
+    /// Reynolds number of the slowest wind.
+    pub slowest_reynolds: f64,
+    /// Least and greatest temperature of the gas, °C.
+    pub gas_c: [f64; 2],
+    /// What each kelvin beyond these adds to the standard uncertainty of the speed, as its share.
+    pub speed_share_per_k: f64,
+    /// The same of the direction, °.
+    pub direction_deg_per_k: f64,
+    /// Rise of the warmed gas, where the readings determine it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rise: Option<RiseTable>,
+    /// What is behind the stem.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stem: Option<StemTable>,
+}
+
+/// At which temperature the properties of the gas are taken.
+#[derive(Deserialize, Serialize, Clone, Copy, Debug, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum PropertyTemperature {
+    /// That of the gas.
+    Gas,
+    /// Half-way between gas and surfaces.
+    Film,
+}
+
+/// `[calibration.convection.rise]`
+#[derive(Deserialize, Serialize, Clone, Debug, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct RiseTable {
+    /// Gravity where the head is used, m/s².
+    pub gravity_m_s2: f64,
+    /// Which way is up.
+    pub up: [f64; 3],
+    /// Rise in quiescent gas, over √(g β ΔT d).
+    pub at_rest: f64,
+    /// How a wind carries it away.
+    pub decay: f64,
+}
+
+/// `[calibration.convection.stem]`
+#[derive(Deserialize, Serialize, Clone, Debug, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct StemTable {
+    /// From the head along the stem.
+    pub axis: [f64; 3],
+    /// Winds from within this angle are flagged `near-stem`, °.
+    pub unknown_deg: f64,
+    /// Share of the speed behind it, at chords from 0 in steps of 0.1.
+    pub factor: [f64; STEM_KNOTS],
+    /// Turn away from it.
+    pub deflection: [f64; STEM_KNOTS],
 }
 
 /// `[calibration.uncertainty]`
@@ -139,6 +205,43 @@ impl NusseltTable {
             least_reynolds: self.least_reynolds as f32,
             most_reynolds: self.most_reynolds as f32,
             amplitudes: self.amplitudes.map(|row| row.map(|a| a as f32)),
+        }
+    }
+}
+
+impl PropertyTemperature {
+    /// Share of the way from the gas to the surfaces.
+    pub fn film_share(self) -> f64 {
+        match self {
+            Self::Gas => 0.0,
+            Self::Film => 0.5,
+        }
+    }
+}
+
+impl ConvectionModelTable {
+    /// As the board takes it.
+    pub fn config(&self) -> ConvectionConfig {
+        let narrow = |v: [f64; 3]| v.map(|x| x as f32);
+        ConvectionConfig {
+            film_share: self.properties.film_share() as f32,
+            nusselt_at_rest: self.nusselt_at_rest as f32,
+            slowest_reynolds: self.slowest_reynolds as f32,
+            gas_c: self.gas_c.map(|celsius| celsius as f32),
+            speed_share_per_k: self.speed_share_per_k as f32,
+            direction_rad_per_k: self.direction_deg_per_k.to_radians() as f32,
+            rise: self.rise.as_ref().map(|of| RiseConfig {
+                gravity_m_s2: of.gravity_m_s2 as f32,
+                up: narrow(of.up),
+                at_rest: of.at_rest as f32,
+                decay: of.decay as f32,
+            }),
+            stem: self.stem.as_ref().map(|of| StemConfig {
+                axis: narrow(of.axis),
+                unknown_chord: (2.0 * (0.5 * of.unknown_deg.to_radians()).sin()) as f32,
+                factor: of.factor.map(|x| x as f32),
+                deflection: of.deflection.map(|x| x as f32),
+            }),
         }
     }
 }

@@ -5,6 +5,7 @@ use crate::model::convection_observer::config::{
 };
 use crate::wind::calibration_uncertainty::CalibrationUncertainty;
 use crate::wind::card_inverse::CardConfig;
+use crate::wind::convection::ConvectionConfig;
 use crate::wind::form::HeadForm;
 use crate::wind::gas_law::GasLawConfig;
 use crate::wind::nusselt::ORDERS;
@@ -95,4 +96,7 @@ pub enum WindCommand {
     Form(HeadForm),
     /// What the calibration adds to the uncertainty of the wind; without it nothing.
     Uncertainty(CalibrationUncertainty),
+    /// How the convection of surfaces is taken; without it as [`convection`](crate::wind::convection)
+    /// says.
+    Convection(ConvectionConfig),
 }

@@ -7,6 +7,7 @@ use crate::error::{self, ConfigError, Parameter, ParameterProblem};
 use crate::model::mesh;
 use crate::wind::calibration_uncertainty::{CalibrationUncertainty, MEMORY_S};
 use crate::wind::card_inverse::{Card, CardConfig, DICE};
+use crate::wind::convection::ConvectionSettings;
 use crate::wind::form::{HeadForm, MOST_SURFACES};
 use crate::wind::gas_law::GasLaw;
 use crate::wind::nusselt::{NusseltConfig, ORDERS, POINTS};
@@ -24,6 +25,7 @@ pub struct AnemometerSetup {
     pub card: Option<CardConfig>,
     pub form: HeadForm,
     pub uncertainty: Option<CalibrationUncertainty>,
+    pub convection: Option<ConvectionSettings>,
     surfaces: [Option<HeadSurface>; MOST_SURFACES],
     pub gas_law: Option<GasLaw>,
 }
@@ -116,6 +118,14 @@ impl AnemometerSetup {
         let mut configs = [first; MOST_SURFACES];
         configs.iter_mut().zip(surfaces).for_each(|(config, given)| *config = given.unwrap_or(first));
         let of_head = configs.get(..usize::from(config.surfaces)).unwrap_or_default();
-        Ok(Some(HeadInverse::Surfaces(WindVector::new(self.form, &nusselt, of_head, size_m, most_rad)?)))
+        let mut vector = WindVector::new(self.form, &nusselt, of_head, size_m, most_rad)?;
+        if let Some(convection) = &self.convection {
+            vector = vector.resting_at(convection.nusselt_at_rest)?;
+            if !convection.free_stream.is_none() && !vector.is_complete() {
+                // What such a head leaves open has no direction to be turned or raised.
+                return Err(error::out_of_range(Parameter::Parts, 4.0, MOST_SURFACES as f32));
+            }
+        }
+        Ok(Some(HeadInverse::Surfaces(vector)))
     }
 }

@@ -8,7 +8,7 @@ const SHARES: CalibrationUncertainty = CalibrationUncertainty {
     chi_square_most: 7.0,
 };
 /// 1 m/s is Re 10; from 1 to 8 m/s, so that a knot stands at each doubling.
-const SCALE: SpeedScale = SpeedScale { reynolds: [10.0, 80.0], per_speed: 10.0 };
+const SCALE: SpeedScale = SpeedScale { reynolds: [10.0, 80.0], per_speed: 10.0, away: [0.0; 2] };
 const MOST_RAD: f32 = 0.3;
 
 fn wind(wind_m_s: [f32; 3], chi_square: f32) -> WindEstimate {
