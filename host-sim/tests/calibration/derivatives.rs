@@ -1,10 +1,10 @@
 //! The equations of the fit: their derivatives, and how winds are left out.
 
-use anemometry::calibrate::Scheme;
 use anemometry::calibrate::surfaces::equations::{LAST, SurfaceProblem};
 use anemometry::calibrate::surfaces::family::AmplitudeFamily;
 use anemometry::calibrate::surfaces::folds::folds;
 use anemometry::calibrate::surfaces::readings::{ready, winds};
+use anemometry::calibrate::{DrawnSurfaces, Gravity, Scheme, SoughtConvection};
 use dr_core::wind::HeadForm;
 use dr_core::wind::nusselt::ORDERS;
 use nalgebra::DVector;
@@ -13,14 +13,31 @@ use crate::tunnel::{Tunnel, speeds as progression};
 
 #[test]
 fn derivatives_agree_with_differences() {
+    agree(&SoughtConvection::default());
+    let gravity = Gravity { m_s2: 3.71, up: [0.0, 0.6, 0.8] };
+    agree(&SoughtConvection {
+        film_share: 0.5,
+        is_rest_sought: true,
+        rise: Some(gravity),
+        stem: Some([0.0, 0.0, -1.0]),
+        is_without_quiescent: false,
+    });
+}
+
+fn agree(convection: &SoughtConvection) {
     let tunnel = Tunnel::sectors();
-    let drawn = tunnel.head();
+    let drawn = DrawnSurfaces { convection: convection.clone(), ..tunnel.head() };
     let head = ready(&drawn).unwrap();
-    let winds = winds(&head, &tunnel.readings(&[0.7, 2.0, 5.0, 9.0], 3, 1e-3, 1)).unwrap();
-    let reynolds = [15.0, 44.0, 110.0, 199.0];
-    let family = AmplitudeFamily::new(HeadForm::Sphere, &reynolds, (0..ORDERS).collect(), 200);
+    let winds = winds(&head, &tunnel.readings(&[0.7, 2.0, 5.0, 9.0], 7, 1e-3, 1)).unwrap();
+    let reynolds = [0.5, 15.0, 44.0, 110.0, 199.0];
+    let mut family = AmplitudeFamily::new(HeadForm::Sphere, &reynolds, (0..ORDERS).collect(), 200);
+    family.is_rest_sought = convection.is_rest_sought;
     let problem = SurfaceProblem::new(&head, &winds, family);
     let mut place = problem.drawn();
+    // Between the least and the most of the rise, and a stem map that is none of nothing.
+    for (k, of) in place.stream.iter_mut().enumerate().skip(2) {
+        *of += 0.1 * (1.0 + k as f64).sin();
+    }
     for (k, c) in place.coefficients.iter_mut().enumerate() {
         *c = (1.0 + k as f64).sin();
     }
@@ -38,7 +55,9 @@ fn derivatives_agree_with_differences() {
         let difference = (cost(-1.0) - cost(1.0)) / (4.0 * step);
         // The cost is no parabola in gains and turns: second order of the step.
         let scale = (here.h[(k, k)] * here.cost).sqrt();
-        assert!((difference - here.b[k]).abs() < 2e-4 * scale, "{k}: {difference} {}", here.b[k]);
+        // So it is in the stream, by steps that are large beside f32's rounding.
+        let most = if k < problem.first_of_stream(&place) { 2e-4 } else { 2e-2 };
+        assert!((difference - here.b[k]).abs() < most * scale, "{k}: {difference} {}", here.b[k]);
     }
 }
 
