@@ -23,7 +23,7 @@ use crate::arithmetic::{dot, length, plus, scaled};
 /// Most steps from one start, dropped ones included.
 pub const MOST_STEPS: u8 = 16;
 /// Most steps for one estimate: it must be finished before the next tick, whatever was measured.
-pub const MOST_STEPS_IN_ALL: u8 = 28;
+pub const MOST_STEPS_IN_ALL: u8 = 24;
 
 const DAMPING: f32 = 0.01;
 /// Enough for the equations to be solved where one direction has no effect.
@@ -122,13 +122,17 @@ impl Inverse<'_> {
     ///
     /// The steps are taken off `left`; with none left it goes nowhere.
     pub fn descend(&self, start: [f32; 3], left: &mut u8) -> DescentResult {
-        let most = MOST_STEPS.min(*left);
-        let found = self.descend_within(start, most);
+        self.descend_within(start, MOST_STEPS, left)
+    }
+
+    /// The same in so many steps at most.
+    pub fn descend_within(&self, start: [f32; 3], most: u8, left: &mut u8) -> DescentResult {
+        let found = self.steps_down(start, most.min(*left));
         *left -= found.steps;
         found
     }
 
-    fn descend_within(&self, start: [f32; 3], most: u8) -> DescentResult {
+    fn steps_down(&self, start: [f32; 3], most: u8) -> DescentResult {
         let mut reynolds = start;
         let mut here = self.equations(reynolds);
         let mut damping = DAMPING;

@@ -51,6 +51,8 @@ use crate::error::{self, ConfigError, Parameter, ParameterProblem};
 const SAME: f32 = 0.01;
 /// A solution whose χ² is larger by at most this is as good: three standard errors.
 const AS_GOOD: f32 = 9.0;
+/// A wind that has not jumped is found from the last one in so many steps.
+const STEPS_FROM_LAST: u8 = 3;
 /// Share of the speed, or of the least Reynolds number of the grid, that is put across the axes to
 /// judge what is there.
 const LEAST_ACROSS: f32 = 0.02;
@@ -287,13 +289,20 @@ fn fits(found: &DescentResult, variance: f32) -> bool {
 
 /// The best solution, and another one if it is as good.
 ///
-/// A complete head has one minimum near the linear inverse. Where surfaces are missing or hardly
+/// A complete head has one minimum near the linear inverse; from the last wind it is a step or two.
+/// Where surfaces are missing or hardly
 /// known (`twins`), all starts are followed, the other side of the fold among them; of solutions
 /// that are as good as each other the one nearest to `last` is taken, or without a last one the
 /// better.
 fn solve(inverse: &Inverse, last: Option<[f32; 3]>, twins: bool) -> Option<(DescentResult, Option<DescentResult>)> {
-    let [first, second] = starts(inverse);
     let mut left = MOST_STEPS_IN_ALL;
+    if let (Some(last), false) = (last, twins) {
+        let near = inverse.descend_within(last, STEPS_FROM_LAST, &mut left);
+        if near.converged && near.cost <= AS_GOOD * inverse.variance {
+            return Some((near, None));
+        }
+    }
+    let [first, second] = starts(inverse);
     let mut best = inverse.descend(first.or(last)?, &mut left);
     if !twins && fits(&best, inverse.variance) {
         return Some((best, None));
