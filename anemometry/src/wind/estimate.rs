@@ -10,6 +10,7 @@ use wire::WindSample;
 
 use super::comparison::WindComparison;
 use super::error::WindError;
+use super::field_correction::{FieldCorrection, SlowErrorKind, SlowEvidence};
 use super::gas_input::{GasInput, temperature_column};
 use super::given_winds::GivenWinds;
 use super::level_record::LevelRecord;
@@ -81,6 +82,8 @@ pub struct WindEstimation<'a> {
     comparison: WindComparison,
     has_truth: bool,
     levels: LevelRecord,
+    evidence: SlowEvidence,
+    correction: Option<FieldCorrection>,
     unknown_heat: Vec<UnknownHeat>,
     /// Of the gas, and of labels that do not match.
     warnings: Vec<String>,
@@ -126,6 +129,8 @@ impl<'a> WindEstimation<'a> {
             comparison: WindComparison::in_plane(calibration.plane_normal()),
             has_truth: false,
             levels: LevelRecord::default(),
+            evidence: SlowEvidence::default(),
+            correction: None,
             unknown_heat: cores(calibration),
             warnings,
         })
@@ -146,6 +151,18 @@ impl<'a> WindEstimation<'a> {
         self.replay.has_gas()
     }
 
+    /// Corrects slow errors from now on, at the beginning of the recording.
+    #[must_use]
+    pub fn corrected(self, correction: FieldCorrection) -> Self {
+        Self { correction: Some(correction), ..self }
+    }
+
+    /// Slow errors of such a kind in the estimates so far; none of a head or a recording that
+    /// cannot tell.
+    pub fn slow_errors(&self, kind: SlowErrorKind) -> Option<FieldCorrection> {
+        FieldCorrection::find(&self.evidence, self.anemometer.anemometer(), kind, self.output.bandwidth_hz)
+    }
+
     /// The next estimate; none after the last row.
     ///
     /// # Errors
@@ -163,11 +180,20 @@ impl<'a> WindEstimation<'a> {
             if moment.known != TickOrigin::Missing {
                 self.levels.add(&moment.tick);
             }
-            let Some(mut sample) = self.anemometer.step(&moment.tick) else { continue };
+            if let Some(correction) = &self.correction {
+                self.anemometer.correct(correction.corrections(moment.time_s));
+            }
+            let Some(estimate) = self.anemometer.step_whole(&moment.tick) else { continue };
+            let mut sample = WindSample::from(&estimate);
             match moment.known {
                 TickOrigin::Recorded => {}
                 TickOrigin::AfterGap => sample.quality_flags = sample.quality_flags.with(QualityFlags::STARTING, true),
                 TickOrigin::Missing => continue,
+            }
+            match &self.correction {
+                Some(correction) => correction.widen(moment.time_s, self.anemometer.anemometer(), &estimate, &mut sample),
+                None if sample.quality_flags.has(QualityFlags::STARTING) => {}
+                None => self.evidence.add(moment.time_s, &estimate),
             }
             let true_wind_m_s = match self.winds {
                 Some(winds) => winds.of(&moment.event),

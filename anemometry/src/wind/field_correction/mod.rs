@@ -1,0 +1,19 @@
+//! Slow errors of a head of four surfaces, found in the field by the number that its conductances
+//! have to spare ([`dr_core::wind::slow_errors`]), and taken out of the recording.
+//!
+//! | file | what |
+//! |---|---|
+//! | [`evidence`] | conductances of a recording, slot by slot |
+//! | [`equations`] | one equation a slot |
+//! | [`smoother`] | errors over time, with covariance |
+//! | `widen` | what their covariance adds to that of a wind |
+//! | [`find`] | how large and quick errors are: by likelihood; the errors themselves |
+
+pub mod equations;
+pub mod evidence;
+pub mod find;
+pub mod smoother;
+mod widen;
+
+pub use evidence::SlowEvidence;
+pub use find::{FieldCorrection, SlowErrorKind};

@@ -1,0 +1,197 @@
+//! Slow errors over time, from one equation a slot: filter, likelihood and smoother.
+//!
+//! ```text
+//! S_i   Matérn 3/2: standard deviation σ, time constant τ     S_i(t), S_i(t + Δ): σ² (1 + λΔ) e^(−λΔ), λ = √3/τ
+//! γ_i   constant, standard deviation σ_γ
+//! e     ρ e + √(1 − ρ²) w                                    what the calibration misses, of standard deviation 1
+//! y     Σ_i (a_i S_i + b_i γ_i) + k e + √r v
+//! ```
+//!
+//! Winds near to each other are missed alike, hence ρ: a steady wind says once what many varied
+//! ones say often. What no equation tells stays at zero, with its standard deviation. The smoother
+//! is that of Bryson and Frazier, which inverts no covariance (G. J. Bierman, *Fixed interval
+//! smoothing with discrete measurements*, Int. J. Control 18 (1973) 65).
+
+use dr_core::wind::sphere::SECTORS;
+use nalgebra::{SMatrix, SVector};
+
+/// S, its slope over λ, γ, and e.
+const STATES: usize = 3 * SECTORS + 1;
+const SLOPE: usize = SECTORS;
+const GAIN: usize = 2 * SECTORS;
+const MISSED: usize = 3 * SECTORS;
+/// S and γ.
+pub const ERRORS: usize = 2 * SECTORS;
+
+type State = SVector<f64, STATES>;
+type Covariance = SMatrix<f64, STATES, STATES>;
+
+/// How large and how quick slow errors are, before anything is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SlowPrior {
+    /// σ, mW.
+    pub offset_mw: [f64; SECTORS],
+    /// τ, s.
+    pub time_s: f64,
+    /// σ_γ, %.
+    pub gain_percent: [f64; SECTORS],
+    /// Factor of all variances of the equations.
+    pub noise: f64,
+}
+
+/// One equation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SlowEquation {
+    /// y.
+    pub value: f64,
+    /// a, 1/mW.
+    pub per_mw: [f64; SECTORS],
+    /// b, 1/%.
+    pub per_percent: [f64; SECTORS],
+    /// r.
+    pub variance: f64,
+    /// k.
+    pub missed: f64,
+    /// ρ to the equation before.
+    pub correlation: f64,
+}
+
+impl SlowEquation {
+    /// y less what these errors explain.
+    pub fn left(&self, errors: &SVector<f64, ERRORS>) -> f64 {
+        let per = self.per_mw.iter().chain(&self.per_percent);
+        self.value - per.zip(errors.iter()).map(|(per, error)| per * error).sum::<f64>()
+    }
+
+    /// Variance of the value by noise and calibration.
+    pub fn own_variance(&self) -> f64 {
+        self.variance + self.missed * self.missed
+    }
+
+    fn row(&self, noise: f64) -> State {
+        let mut row = State::zeros();
+        for i in 0..SECTORS {
+            row[i] = self.per_mw[i];
+            row[GAIN + i] = self.per_percent[i];
+        }
+        row[MISSED] = self.missed * noise.sqrt();
+        row
+    }
+}
+
+/// S in mW and γ in % at a slot, with their covariance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SlowErrorsAt {
+    /// S, then γ.
+    pub errors: SVector<f64, ERRORS>,
+    /// Of both.
+    pub covariance: SMatrix<f64, ERRORS, ERRORS>,
+}
+
+/// What the filter knew at a slot.
+struct Passed {
+    state: State,
+    covariance: Covariance,
+    /// Row, gain, variance and value of the innovation, and ρ.
+    update: Option<(State, State, f64, f64, f64)>,
+}
+
+/// Runs forward; returns −2 ln of the likelihood.
+fn filter(prior: &SlowPrior, slots: &[Option<SlowEquation>], slot_s: f64, mut each: impl FnMut(Passed)) -> f64 {
+    let (transition, added) = transition(prior, slot_s);
+    let mut state = State::zeros();
+    let mut covariance = Covariance::zeros();
+    for i in 0..SECTORS {
+        let variance = prior.offset_mw[i].powi(2);
+        covariance[(i, i)] = variance;
+        covariance[(SLOPE + i, SLOPE + i)] = variance;
+        covariance[(GAIN + i, GAIN + i)] = prior.gain_percent[i].powi(2);
+    }
+    covariance[(MISSED, MISSED)] = 1.0;
+    let mut doubt = 0.0;
+    for (n, slot) in slots.iter().enumerate() {
+        if n > 0 {
+            state = transition * state;
+            covariance = transition * covariance * transition.transpose() + added;
+        }
+        let update = slot.map(|equation| {
+            let rho = equation.correlation;
+            state[MISSED] *= rho;
+            for i in 0..MISSED {
+                covariance[(i, MISSED)] *= rho;
+                covariance[(MISSED, i)] *= rho;
+            }
+            covariance[(MISSED, MISSED)] = rho * rho * covariance[(MISSED, MISSED)] + 1.0 - rho * rho;
+            let row = equation.row(prior.noise);
+            let carried = covariance * row;
+            let variance = row.dot(&carried) + prior.noise * equation.variance;
+            let gain = carried / variance;
+            let innovation = equation.value - row.dot(&state);
+            state += gain * innovation;
+            covariance -= gain * carried.transpose();
+            doubt += variance.ln() + innovation * innovation / variance;
+            (row, gain, variance, innovation, rho)
+        });
+        each(Passed { state, covariance, update });
+    }
+    doubt
+}
+
+/// Transition of a slot and what it adds to the covariance; e changes with the equations.
+fn transition(prior: &SlowPrior, slot_s: f64) -> (Covariance, Covariance) {
+    let a = 3.0_f64.sqrt() * slot_s / prior.time_s;
+    let decay = (-a).exp();
+    let [[ss, sd], [ds, dd]] = [[1.0 + a, a], [-a, 1.0 - a]].map(|row| row.map(|x| decay * x));
+    let (mut transition, mut added) = (Covariance::identity(), Covariance::zeros());
+    for i in 0..SECTORS {
+        let (s, d, variance) = (i, SLOPE + i, prior.offset_mw[i].powi(2));
+        for (at, value, of_added) in [
+            ((s, s), ss, 1.0 - ss * ss - sd * sd),
+            ((s, d), sd, -ss * ds - sd * dd),
+            ((d, s), ds, -ss * ds - sd * dd),
+            ((d, d), dd, 1.0 - ds * ds - dd * dd),
+        ] {
+            transition[at] = value;
+            added[at] = variance * of_added;
+        }
+    }
+    (transition, added)
+}
+
+/// −2 ln of the likelihood of the equations.
+pub fn doubt(prior: &SlowPrior, slots: &[Option<SlowEquation>], slot_s: f64) -> f64 {
+    filter(prior, slots, slot_s, |_| {})
+}
+
+/// Slow errors at every slot, each from all equations.
+pub fn smooth(prior: &SlowPrior, slots: &[Option<SlowEquation>], slot_s: f64) -> Vec<SlowErrorsAt> {
+    let mut passed = Vec::with_capacity(slots.len());
+    filter(prior, slots, slot_s, |of| passed.push(of));
+    let (transition, _) = transition(prior, slot_s);
+    // The adjoint of state and covariance behind the slot's update.
+    let (mut pull, mut known) = (State::zeros(), Covariance::zeros());
+    let mut found = Vec::with_capacity(slots.len());
+    for of in passed.iter().rev() {
+        let state = of.state - of.covariance * pull;
+        let covariance = of.covariance - of.covariance * known * of.covariance;
+        let places: [usize; ERRORS] = core::array::from_fn(|i| if i < SECTORS { i } else { i + SECTORS });
+        found.push(SlowErrorsAt {
+            errors: SVector::from_fn(|i, _| state[places[i]]),
+            covariance: SMatrix::from_fn(|i, j| covariance[(places[i], places[j])]),
+        });
+        if let Some((row, gain, variance, innovation, rho)) = &of.update {
+            let kept = Covariance::identity() - gain * row.transpose();
+            pull = kept.transpose() * pull - row * (innovation / variance);
+            known = kept.transpose() * known * kept + row * row.transpose() / *variance;
+            pull[MISSED] *= rho;
+            for i in 0..STATES {
+                known[(i, MISSED)] *= rho;
+                known[(MISSED, i)] *= rho;
+            }
+        }
+        pull = transition.transpose() * pull;
+        known = transition.transpose() * known * transition;
+    }
+    found.reverse();
+    found
+}
