@@ -14,7 +14,7 @@ use crate::vector::{angle_deg, length};
 
 /// Shares of what G changes in a slot, and of what it has changed since the slot before, that are
 /// not one wind's.
-const WITHIN: f64 = 0.1;
+const WITHIN: f64 = 1.0;
 const SINCE: f64 = 0.01;
 /// Change of direction in rad, and of speed as logarithm, beyond which winds are missed each in its
 /// own way.

@@ -11,15 +11,18 @@ use dr_core::wind::{Anemometer, QualityFlags, WindTick};
 const SLOT_S: f64 = 2.0;
 const MOST_SLOTS: usize = 4096;
 
+/// Estimates that are `starting` later than this are so for their stored heat, which is a slow error
+/// as any, or is none: a head in the sun looks as if it had been warm, s.
+const BEGUN_S: f64 = 60.0;
+
 /// With one of these the conductances themselves are wrong or missing.
-const NOT_USED: [QualityFlags; 8] = [
+const NOT_USED: [QualityFlags; 7] = [
     QualityFlags::REFUSED,
     QualityFlags::DEGRADED,
     QualityFlags::UNCALIBRATED,
     QualityFlags::NO_GAS,
     QualityFlags::NOT_RUNNING,
     QualityFlags::SATURATED,
-    QualityFlags::STARTING,
     QualityFlags::COLD,
 ];
 
@@ -55,6 +58,7 @@ impl SlowEvidence {
     pub fn add(&mut self, time_s: f64, estimate: &WindTick) {
         let begin_s = *self.begin_s.get_or_insert(time_s);
         let is_used = usize::from(estimate.surfaces) == SECTORS
+            && (time_s - begin_s >= BEGUN_S || !estimate.quality_flags.has(QualityFlags::STARTING))
             && NOT_USED.iter().all(|&flag| !estimate.quality_flags.has(flag))
             && estimate.variance_w2_k2.iter().take(SECTORS).all(|&variance| variance > 0.0);
         if !is_used || time_s < begin_s {

@@ -7,10 +7,13 @@ use serde::Serialize;
 
 use super::equations::{corrections, equations};
 use super::evidence::SlowEvidence;
-use super::smoother::{SlowEquation, SlowErrorsAt, SlowPrior, doubt, smooth};
+use super::smoother::{SlowEquation, SlowErrorsAt, SlowJump, SlowPrior, SlowSeries, doubt, smooth};
 
 /// Rounds of linear equations about the winds of the round before.
-const ROUNDS: usize = 6;
+const ROUNDS: usize = 8;
+/// Jumps that take less than this out of the squares of the residuals are none, and most of them.
+const JUMP_EXPLAINS: f64 = 30.0;
+const MOST_JUMPS: usize = 12;
 /// Standard deviations beyond which a residual counts as less.
 const FAR: f64 = 3.0;
 
@@ -26,6 +29,17 @@ pub enum SlowErrorKind {
     Both,
 }
 
+impl SlowErrorKind {
+    /// As an option has it.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Offsets => "offsets",
+            Self::Gains => "gains",
+            Self::Both => "both",
+        }
+    }
+}
+
 /// Slow errors over a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldCorrection {
@@ -33,30 +47,47 @@ pub struct FieldCorrection {
     pub kind: SlowErrorKind,
     /// Size and quickness that were found.
     pub prior: SlowPrior,
+    /// Where errors jump.
+    pub jumps: Vec<SlowJump>,
     /// Slots with an equation.
     pub count: usize,
     /// Mean square of what the equations leave, in their own variances, without and with errors.
     pub chi_square: [f64; 2],
     begin_s: f64,
     slot_s: f64,
+    equations: Vec<Option<SlowEquation>>,
     found: Vec<SlowErrorsAt>,
+}
+
+/// Why slow errors cannot be found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum SlowErrorsUnknown {
+    /// The head has as many surfaces as unknowns, or more than one to spare, or is a card.
+    #[error("slow errors are found by the number that four surfaces round a body have to spare: this head has another form")]
+    NothingToSpare,
+    /// No estimate has a wind with a direction.
+    #[error("slow errors show in winds that have a direction, and the recording has none: record winds of many directions")]
+    NoWind,
 }
 
 const OFFSETS_MW: [f64; 9] = [0.0, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0];
 const GAINS_PERCENT: [f64; 8] = [0.0, 0.1, 0.3, 1.0, 2.0, 4.0, 8.0, 16.0];
 const TIMES_S: [f64; 11] = [100.0, 200.0, 400.0, 800.0, 1600.0, 3200.0, 6400.0, 12800.0, 25600.0, 51200.0, 102400.0];
-const NOISES: [f64; 9] = [0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0];
+const NOISES: [f64; 9] = [0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0];
 
 impl FieldCorrection {
-    /// Finds them; none without a head that has a number to spare, or without equations.
+    /// Finds them.
+    ///
+    /// # Errors
+    /// If the head has no number to spare, or no slot an equation.
     pub fn find<const N: usize>(
         evidence: &SlowEvidence,
         anemometer: &Anemometer<N>,
         kind: SlowErrorKind,
         bandwidth_hz: f64,
-    ) -> Option<Self> {
+    ) -> Result<Self, SlowErrorsUnknown> {
         if !SlowEvidence::is_of(anemometer) {
-            return None;
+            return Err(SlowErrorsUnknown::NothingToSpare);
         }
         let slot_s = evidence.slot_s();
         let mut prior = SlowPrior {
@@ -67,11 +98,22 @@ impl FieldCorrection {
         };
         let mut found: Vec<SlowErrorsAt> = Vec::new();
         let mut own = Vec::new();
+        let mut jumps: Vec<SlowJump> = Vec::new();
         for _ in 0..ROUNDS {
             own = equations(evidence, anemometer, &found, bandwidth_hz);
-            let robust = doubted(&own, &found, prior.noise);
-            likeliest(&mut prior, &robust, slot_s, kind);
-            found = smooth(&prior, &robust, slot_s);
+            let slots = doubted(&own, &found, prior.noise);
+            likeliest(&mut prior, &SlowSeries { slots: &slots, slot_s, jumps: &jumps }, kind);
+            loop {
+                let jump;
+                (found, jump) = smooth(&prior, &SlowSeries { slots: &slots, slot_s, jumps: &jumps });
+                match jump {
+                    Some((jump, explains)) if explains > JUMP_EXPLAINS && jumps.len() < MOST_JUMPS => {
+                        jumps.push(jump);
+                        likeliest(&mut prior, &SlowSeries { slots: &slots, slot_s, jumps: &jumps }, kind);
+                    }
+                    _ => break,
+                }
+            }
         }
         let count = own.iter().flatten().count();
         let square = |of: &SlowEquation, errors: Option<&SlowErrorsAt>| {
@@ -82,7 +124,32 @@ impl FieldCorrection {
             each.sum::<f64>() / count.max(1) as f64
         };
         let chi_square = [mean(false), mean(true)];
-        (count > 0).then(|| Self { kind, prior, count, chi_square, begin_s: evidence.begin_s(), slot_s, found })
+        if count == 0 {
+            return Err(SlowErrorsUnknown::NoWind);
+        }
+        Ok(Self { kind, prior, jumps, count, chi_square, begin_s: evidence.begin_s(), slot_s, equations: own, found })
+    }
+
+    /// The kind that makes the winds that both explain likelier; a jump has its price.
+    pub fn likelier(a: Self, b: Self) -> Self {
+        let common = |of: &Self, other: &Self| -> f64 {
+            let pairs = of.equations.iter().zip(&other.equations);
+            let slots: Vec<_> = pairs.map(|(own, other)| own.filter(|_| other.is_some())).collect();
+            let series = SlowSeries { slots: &slots, slot_s: of.slot_s, jumps: &of.jumps };
+            doubt(&of.prior, &series) + JUMP_EXPLAINS * of.jumps.len() as f64
+        };
+        if common(&b, &a) < common(&a, &b) { b } else { a }
+    }
+
+    /// Whether most of the contradictions are gone with these errors.
+    pub fn explains(&self) -> bool {
+        self.chi_square[1] < 0.5 * self.chi_square[0]
+    }
+
+    /// Errors at the slots that have an equation, with their times, s.
+    pub fn known(&self) -> impl Iterator<Item = (f64, &SlowErrorsAt)> {
+        let slots = self.equations.iter().zip(&self.found).enumerate().filter(|(_, (equation, _))| equation.is_some());
+        slots.map(|(place, (_, at))| (self.begin_s + (place as f64 + 0.5) * self.slot_s, at))
     }
 
     /// Errors at a time.
@@ -111,14 +178,14 @@ fn doubted(own: &[Option<SlowEquation>], found: &[SlowErrorsAt], noise: f64) -> 
 }
 
 /// Takes each number of the prior that makes the equations likeliest, in turn.
-fn likeliest(prior: &mut SlowPrior, slots: &[Option<SlowEquation>], slot_s: f64, kind: SlowErrorKind) {
+fn likeliest(prior: &mut SlowPrior, series: &SlowSeries<'_>, kind: SlowErrorKind) {
     let best = |prior: &mut SlowPrior, of: &[f64], set: &dyn Fn(&mut SlowPrior, f64)| {
         let with = |value: f64| {
             let mut other = *prior;
             set(&mut other, value);
             other
         };
-        let least = of.iter().map(|&value| (with(value), doubt(&with(value), slots, slot_s)));
+        let least = of.iter().map(|&value| (with(value), doubt(&with(value), series)));
         if let Some((other, _)) = least.min_by(|a, b| a.1.total_cmp(&b.1)) {
             *prior = other;
         }

@@ -6,14 +6,17 @@
 //! | [`evidence`] | conductances of a recording, slot by slot |
 //! | [`equations`] | one equation a slot |
 //! | [`smoother`] | errors over time, with covariance |
+//! | [`report`] | both in words and as JSON |
 //! | `widen` | what their covariance adds to that of a wind |
 //! | [`find`] | how large and quick errors are: by likelihood; the errors themselves |
 
 pub mod equations;
 pub mod evidence;
 pub mod find;
+pub mod report;
 pub mod smoother;
 mod widen;
 
 pub use evidence::SlowEvidence;
-pub use find::{FieldCorrection, SlowErrorKind};
+pub use find::{FieldCorrection, SlowErrorKind, SlowErrorsUnknown};
+pub use report::SlowErrorReport;

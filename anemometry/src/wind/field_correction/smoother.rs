@@ -3,12 +3,15 @@
 //! ```text
 //! S_i   Matérn 3/2: standard deviation σ, time constant τ     S_i(t), S_i(t + Δ): σ² (1 + λΔ) e^(−λΔ), λ = √3/τ
 //! γ_i   constant, standard deviation σ_γ
+//! both  jump where a jump was found, each by an unknown amount of standard deviation 3 mW or 3 %
 //! e     ρ e + √(1 − ρ²) w                                    what the calibration misses, of standard deviation 1
 //! y     Σ_i (a_i S_i + b_i γ_i) + k e + √r v
 //! ```
 //!
 //! Winds near to each other are missed alike, hence ρ: a steady wind says once what many varied
 //! ones say often. What no equation tells stays at zero, with its standard deviation. The smoother
+//! says of every slot how much a jump there would explain (P. de Jong, J. Penzer, *Diagnosing shocks
+//! in time series*, J. Am. Stat. Assoc. 93 (1998) 796). It
 //! is that of Bryson and Frazier, which inverts no covariance (G. J. Bierman, *Fixed interval
 //! smoothing with discrete measurements*, Int. J. Control 18 (1973) 65).
 
@@ -35,7 +38,7 @@ pub struct SlowPrior {
     pub time_s: f64,
     /// σ_γ, %.
     pub gain_percent: [f64; SECTORS],
-    /// Factor of all variances of the equations.
+    /// Factor of the equations' variances; where it is more than 1, of k² as well.
     pub noise: f64,
 }
 
@@ -74,9 +77,32 @@ impl SlowEquation {
             row[i] = self.per_mw[i];
             row[GAIN + i] = self.per_percent[i];
         }
-        row[MISSED] = self.missed * noise.sqrt();
+        row[MISSED] = self.missed * noise.max(1.0).sqrt();
         row
     }
+}
+
+/// A jump of an error at the begin of a slot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SlowJump {
+    /// The slot.
+    pub slot: usize,
+    /// Which of S and γ.
+    pub error: usize,
+}
+
+/// Standard deviation of a jump, mW or %.
+const JUMP: f64 = 3.0;
+
+/// Equations with the jumps between them.
+#[derive(Debug, Clone, Copy)]
+pub struct SlowSeries<'a> {
+    /// One a slot, where there is one.
+    pub slots: &'a [Option<SlowEquation>],
+    /// Length of a slot, s.
+    pub slot_s: f64,
+    /// In any order.
+    pub jumps: &'a [SlowJump],
 }
 
 /// S in mW and γ in % at a slot, with their covariance.
@@ -97,8 +123,8 @@ struct Passed {
 }
 
 /// Runs forward; returns −2 ln of the likelihood.
-fn filter(prior: &SlowPrior, slots: &[Option<SlowEquation>], slot_s: f64, mut each: impl FnMut(Passed)) -> f64 {
-    let (transition, added) = transition(prior, slot_s);
+fn filter(prior: &SlowPrior, series: &SlowSeries<'_>, mut each: impl FnMut(Passed)) -> f64 {
+    let (transition, added) = transition(prior, series.slot_s);
     let mut state = State::zeros();
     let mut covariance = Covariance::zeros();
     for i in 0..SECTORS {
@@ -109,10 +135,13 @@ fn filter(prior: &SlowPrior, slots: &[Option<SlowEquation>], slot_s: f64, mut ea
     }
     covariance[(MISSED, MISSED)] = 1.0;
     let mut doubt = 0.0;
-    for (n, slot) in slots.iter().enumerate() {
+    for (n, slot) in series.slots.iter().enumerate() {
         if n > 0 {
             state = transition * state;
             covariance = transition * covariance * transition.transpose() + added;
+            for jump in series.jumps.iter().filter(|jump| jump.slot == n) {
+                covariance[(place(jump.error), place(jump.error))] += JUMP * JUMP;
+            }
         }
         let update = slot.map(|equation| {
             let rho = equation.correlation;
@@ -137,6 +166,11 @@ fn filter(prior: &SlowPrior, slots: &[Option<SlowEquation>], slot_s: f64, mut ea
     doubt
 }
 
+/// Place of S or γ in the state.
+const fn place(error: usize) -> usize {
+    if error < SECTORS { error } else { error + SECTORS }
+}
+
 /// Transition of a slot and what it adds to the covariance; e changes with the equations.
 fn transition(prior: &SlowPrior, slot_s: f64) -> (Covariance, Covariance) {
     let a = 3.0_f64.sqrt() * slot_s / prior.time_s;
@@ -159,25 +193,26 @@ fn transition(prior: &SlowPrior, slot_s: f64) -> (Covariance, Covariance) {
 }
 
 /// −2 ln of the likelihood of the equations.
-pub fn doubt(prior: &SlowPrior, slots: &[Option<SlowEquation>], slot_s: f64) -> f64 {
-    filter(prior, slots, slot_s, |_| {})
+pub fn doubt(prior: &SlowPrior, series: &SlowSeries<'_>) -> f64 {
+    filter(prior, series, |_| {})
 }
 
-/// Slow errors at every slot, each from all equations.
-pub fn smooth(prior: &SlowPrior, slots: &[Option<SlowEquation>], slot_s: f64) -> Vec<SlowErrorsAt> {
-    let mut passed = Vec::with_capacity(slots.len());
-    filter(prior, slots, slot_s, |of| passed.push(of));
-    let (transition, _) = transition(prior, slot_s);
+/// Slow errors at every slot, each from all equations; and the jump that would explain most beyond
+/// them, with the square that it takes out of the residuals.
+pub fn smooth(prior: &SlowPrior, series: &SlowSeries<'_>) -> (Vec<SlowErrorsAt>, Option<(SlowJump, f64)>) {
+    let mut passed = Vec::with_capacity(series.slots.len());
+    filter(prior, series, |of| passed.push(of));
+    let (transition, _) = transition(prior, series.slot_s);
     // The adjoint of state and covariance behind the slot's update.
     let (mut pull, mut known) = (State::zeros(), Covariance::zeros());
-    let mut found = Vec::with_capacity(slots.len());
-    for of in passed.iter().rev() {
+    let mut found = Vec::with_capacity(series.slots.len());
+    let mut jump: Option<(SlowJump, f64)> = None;
+    for (slot, of) in passed.iter().enumerate().rev() {
         let state = of.state - of.covariance * pull;
         let covariance = of.covariance - of.covariance * known * of.covariance;
-        let places: [usize; ERRORS] = core::array::from_fn(|i| if i < SECTORS { i } else { i + SECTORS });
         found.push(SlowErrorsAt {
-            errors: SVector::from_fn(|i, _| state[places[i]]),
-            covariance: SMatrix::from_fn(|i, j| covariance[(places[i], places[j])]),
+            errors: SVector::from_fn(|i, _| state[place(i)]),
+            covariance: SMatrix::from_fn(|i, j| covariance[(place(i), place(j))]),
         });
         if let Some((row, gain, variance, innovation, rho)) = &of.update {
             let kept = Covariance::identity() - gain * row.transpose();
@@ -189,9 +224,24 @@ pub fn smooth(prior: &SlowPrior, slots: &[Option<SlowEquation>], slot_s: f64) ->
                 known[(MISSED, i)] *= rho;
             }
         }
+        for error in (0..ERRORS).filter(|&error| slot > 0 && prior.is_sought(error)) {
+            let at = place(error);
+            // As large as it may be: what is explained less what any jump costs.
+            let explains = pull[at].powi(2) / (known[(at, at)] + 1.0 / (JUMP * JUMP));
+            if jump.is_none_or(|(_, most)| explains > most) {
+                jump = Some((SlowJump { slot, error }, explains));
+            }
+        }
         pull = transition.transpose() * pull;
         known = transition.transpose() * known * transition;
     }
     found.reverse();
-    found
+    (found, jump)
+}
+
+impl SlowPrior {
+    /// Whether an error may be other than zero.
+    fn is_sought(&self, error: usize) -> bool {
+        self.offset_mw.iter().chain(&self.gain_percent).nth(error).is_some_and(|&size| size > 0.0)
+    }
 }
