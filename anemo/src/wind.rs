@@ -122,7 +122,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         WindEstimation::new(&arguments.recording, &head, &options, table.as_ref()).map_err(Failure::usage)?;
     if let Some(kind) = arguments.field_correction {
         let correction = field_correction(&mut estimation, kind.into())?;
-        let again = WindEstimation::new(&arguments.recording, &head, &options, table.as_ref()).map_err(Failure::usage)?;
+        let again =
+            WindEstimation::new(&arguments.recording, &head, &options, table.as_ref()).map_err(Failure::usage)?;
         estimation = again.corrected(correction);
     }
     let (true_wind, gas) = (estimation.has_truth(), estimation.has_gas());
@@ -199,7 +200,10 @@ fn metadata(arguments: &Arguments, head: &Head, estimation: &WindEstimation<'_>)
         ("output_interval_s", estimation.output.interval_s.to_string()),
         ("counted_from_s", arguments.from.to_string()),
         ("settle_s", arguments.settle.to_string()),
-        ("field_correction", arguments.field_correction.map_or("none", |kind| SlowErrorKind::from(kind).word()).to_owned()),
+        (
+            "field_correction",
+            arguments.field_correction.map_or("none", |kind| SlowErrorKind::from(kind).word()).to_owned(),
+        ),
         ("recording", recording),
         ("software", format!("anemo {}", env!("CARGO_PKG_VERSION"))),
     ];

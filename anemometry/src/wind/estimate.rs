@@ -212,7 +212,9 @@ impl<'a> WindEstimation<'a> {
                 TickOrigin::Missing => continue,
             }
             match &self.correction {
-                Some(correction) => correction.widen(moment.time_s, self.anemometer.anemometer(), &estimate, &mut sample),
+                Some(correction) => {
+                    correction.widen(moment.time_s, self.anemometer.anemometer(), &estimate, &mut sample)
+                }
                 None if moment.known == TickOrigin::AfterGap => {}
                 None => self.evidence.add(moment.time_s, &estimate),
             }

@@ -108,7 +108,10 @@ mod tests {
         [a, b, c, d]
     }
 
-    fn with(conductances: &[Conductance; SECTORS], change: impl Fn(usize, f32) -> f32) -> [MeasuredConductance; SECTORS] {
+    fn with(
+        conductances: &[Conductance; SECTORS],
+        change: impl Fn(usize, f32) -> f32,
+    ) -> [MeasuredConductance; SECTORS] {
         core::array::from_fn(|i| MeasuredConductance {
             conductance_w_k: change(i, conductances[i].conductance_w_k),
             variance_w2_k2: 1e-12,

@@ -83,7 +83,8 @@ impl SlowEvidence {
 
     fn halve(&mut self) {
         self.doubled += 1;
-        self.slots = self.slots.chunks(2).map(|pair| *pair.iter().reduce(SlowSlot::steadier).unwrap_or(&pair[0])).collect();
+        self.slots =
+            self.slots.chunks(2).map(|pair| *pair.iter().reduce(SlowSlot::steadier).unwrap_or(&pair[0])).collect();
     }
 
     /// Length of a slot, s.
@@ -129,5 +130,52 @@ impl SlowSlot {
 
     fn steadier<'a>(a: &'a Self, b: &'a Self) -> &'a Self {
         if b.unrest() < a.unrest() { b } else { a }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dr_core::wind::WindEstimate;
+    use dr_core::wind::form::MOST_SURFACES;
+
+    fn estimate(conductance_w_k: f32) -> WindTick {
+        WindTick {
+            surfaces: 4,
+            conductance_w_k: [conductance_w_k; MOST_SURFACES],
+            raw_w_k: [0.0; MOST_SURFACES],
+            variance_w2_k2: [1e-12; MOST_SURFACES],
+            overheat_k: [30.0; MOST_SURFACES],
+            gas_c: -53.0,
+            wind: WindEstimate::none(),
+            quality_flags: QualityFlags::default(),
+        }
+    }
+
+    #[test]
+    fn slots_hold_means_and_what_changes_within_them() {
+        let mut evidence = SlowEvidence::default();
+        for (time_s, g) in [(10.0, 1e-3), (11.0, 2e-3), (12.5, 3e-3)] {
+            evidence.add(time_s, &estimate(g));
+        }
+        let saturated = WindTick { quality_flags: QualityFlags::SATURATED, ..estimate(9.0) };
+        evidence.add(13.0, &saturated);
+        let [first, second] = evidence.slots() else { panic!("{evidence:?}") };
+        assert!((first.conductance_w_k[3] - 1.5e-3).abs() < 1e-9 && (first.spread_w2_k2[3] - 0.25e-6).abs() < 1e-12);
+        assert_eq!((first.count, second.count), (2, 1));
+    }
+
+    #[test]
+    fn of_a_long_recording_the_steadier_slots_are_kept() {
+        let mut evidence = SlowEvidence::default();
+        for n in 0..2 * MOST_SLOTS {
+            // Every other slot is a gust.
+            let gust = if n % 2 == 1 { 1e-3 } else { 0.0 };
+            evidence.add(2.0 * n as f64, &estimate(1e-3));
+            evidence.add(2.0 * n as f64 + 1.0, &estimate(1e-3 + gust));
+        }
+        assert_eq!((evidence.slot_s(), evidence.slots().len()), (4.0, MOST_SLOTS));
+        let early = &evidence.slots()[..MOST_SLOTS / 2];
+        assert!(early.iter().all(|slot| slot.count == 2 && slot.spread_w2_k2[0] < 1e-12));
     }
 }

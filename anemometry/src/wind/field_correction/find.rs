@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::equations::{corrections, equations};
 use super::evidence::SlowEvidence;
+use super::open::open_errors;
 use super::smoother::{SlowEquation, SlowErrorsAt, SlowJump, SlowPrior, SlowSeries, doubt, smooth};
 
 /// Rounds of linear equations about the winds of the round before.
@@ -14,6 +15,12 @@ const ROUNDS: usize = 8;
 /// Jumps that take less than this out of the squares of the residuals are none, and most of them.
 const JUMP_EXPLAINS: f64 = 30.0;
 const MOST_JUMPS: usize = 12;
+/// Variance of an equation up to which its wind was steady, and how many such winds it takes to find
+/// what all surfaces share: means over gusts contradict a little, and in the same way as that.
+const STEADY: f64 = 3.0;
+const LEAST_STEADY: f64 = 20.0;
+/// Mean square from which on something has to be explained.
+const CONTRADICTED: f64 = 2.0;
 /// Standard deviations beyond which a residual counts as less.
 const FAR: f64 = 3.0;
 
@@ -63,17 +70,26 @@ pub struct FieldCorrection {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum SlowErrorsUnknown {
     /// The head has as many surfaces as unknowns, or more than one to spare, or is a card.
-    #[error("slow errors are found by the number that four surfaces round a body have to spare: this head has another form")]
+    #[error(
+        "slow errors are found by the number that four surfaces round a body have to spare: this head has another form"
+    )]
     NothingToSpare,
+    /// The winds do not say which surface is wrong.
+    #[error(
+        "the winds of the recording are too much alike to say which surface is wrong, so nothing can be corrected: record winds of more directions and speeds"
+    )]
+    WindsAlike,
     /// No estimate has a wind with a direction.
-    #[error("slow errors show in winds that have a direction, and the recording has none: record winds of many directions")]
+    #[error(
+        "slow errors show in winds that have a direction, and the recording has none: record winds of many directions"
+    )]
     NoWind,
 }
 
 const OFFSETS_MW: [f64; 9] = [0.0, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0];
 const GAINS_PERCENT: [f64; 8] = [0.0, 0.1, 0.3, 1.0, 2.0, 4.0, 8.0, 16.0];
 const TIMES_S: [f64; 11] = [100.0, 200.0, 400.0, 800.0, 1600.0, 3200.0, 6400.0, 12800.0, 25600.0, 51200.0, 102400.0];
-const NOISES: [f64; 9] = [0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0];
+const NOISES: [f64; 7] = [0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0];
 
 impl FieldCorrection {
     /// Finds them.
@@ -91,9 +107,10 @@ impl FieldCorrection {
         }
         let slot_s = evidence.slot_s();
         let mut prior = SlowPrior {
-            offset_mw: [if kind == SlowErrorKind::Gains { 0.0 } else { 1.0 }; SECTORS],
+            offset_mw: if kind == SlowErrorKind::Gains { 0.0 } else { 1.0 },
             time_s: 800.0,
-            gain_percent: [if kind == SlowErrorKind::Offsets { 0.0 } else { 1.0 }; SECTORS],
+            gain_percent: if kind == SlowErrorKind::Offsets { 0.0 } else { 1.0 },
+            is_common_sought: true,
             noise: 1.0,
         };
         let mut found: Vec<SlowErrorsAt> = Vec::new();
@@ -101,6 +118,8 @@ impl FieldCorrection {
         let mut jumps: Vec<SlowJump> = Vec::new();
         for _ in 0..ROUNDS {
             own = equations(evidence, anemometer, &found, bandwidth_hz);
+            let steady = own.iter().flatten().filter(|of| of.variance < STEADY);
+            prior.is_common_sought = steady.map(|of| 1.0 - of.correlation.powi(2)).sum::<f64>() >= LEAST_STEADY;
             let slots = doubted(&own, &found, prior.noise);
             likeliest(&mut prior, &SlowSeries { slots: &slots, slot_s, jumps: &jumps }, kind);
             loop {
@@ -127,7 +146,12 @@ impl FieldCorrection {
         if count == 0 {
             return Err(SlowErrorsUnknown::NoWind);
         }
-        Ok(Self { kind, prior, jumps, count, chi_square, begin_s: evidence.begin_s(), slot_s, equations: own, found })
+        let begin_s = evidence.begin_s();
+        let found = Self { kind, prior, jumps, count, chi_square, begin_s, slot_s, equations: own, found };
+        if open_errors(&found).iter().any(|open| !open.is_common) {
+            return Err(SlowErrorsUnknown::WindsAlike);
+        }
+        Ok(found)
     }
 
     /// The kind that makes the winds that both explain likelier; a jump has its price.
@@ -143,7 +167,8 @@ impl FieldCorrection {
 
     /// Whether most of the contradictions are gone with these errors.
     pub fn explains(&self) -> bool {
-        self.chi_square[1] < 0.5 * self.chi_square[0]
+        let [before, after] = self.chi_square;
+        before > CONTRADICTED && after < 0.5 * before
     }
 
     /// Errors at the slots that have an equation, with their times, s.
@@ -192,11 +217,11 @@ fn likeliest(prior: &mut SlowPrior, series: &SlowSeries<'_>, kind: SlowErrorKind
     };
     for _ in 0..2 {
         if kind != SlowErrorKind::Gains {
-            best(prior, &OFFSETS_MW, &|of, mw| of.offset_mw = [mw; SECTORS]);
+            best(prior, &OFFSETS_MW, &|of, mw| of.offset_mw = mw);
             best(prior, &TIMES_S, &|of, time_s| of.time_s = time_s);
         }
         if kind != SlowErrorKind::Offsets {
-            best(prior, &GAINS_PERCENT, &|of, percent| of.gain_percent = [percent; SECTORS]);
+            best(prior, &GAINS_PERCENT, &|of, percent| of.gain_percent = percent);
         }
         best(prior, &NOISES, &|of, noise| of.noise = noise);
     }

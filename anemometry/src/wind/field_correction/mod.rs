@@ -6,6 +6,7 @@
 //! | [`evidence`] | conductances of a recording, slot by slot |
 //! | [`equations`] | one equation a slot |
 //! | [`smoother`] | errors over time, with covariance |
+//! | `open` | what the winds do not determine |
 //! | [`report`] | both in words and as JSON |
 //! | `widen` | what their covariance adds to that of a wind |
 //! | [`find`] | how large and quick errors are: by likelihood; the errors themselves |
@@ -13,6 +14,7 @@
 pub mod equations;
 pub mod evidence;
 pub mod find;
+mod open;
 pub mod report;
 pub mod smoother;
 mod widen;

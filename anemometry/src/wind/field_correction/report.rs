@@ -3,16 +3,13 @@
 use std::fmt;
 
 use dr_core::wind::sphere::SECTORS;
-use nalgebra::SMatrix;
 use serde::Serialize;
 
 use super::find::{FieldCorrection, SlowErrorKind};
-use super::smoother::ERRORS;
+use super::open::open_errors;
 
 /// Moments of the series.
 const MOMENTS: usize = 24;
-/// Share of its standard deviation before anything is known beyond which an error is left open.
-const OPEN: f64 = 0.5;
 /// Errors of so many standard uncertainties, and of this share of the largest, are named.
 const CLEAR: f64 = 3.0;
 const NAMED: f64 = 0.2;
@@ -106,38 +103,10 @@ impl SlowErrorReport {
             time_constant_s: correction.prior.time_s,
             chi_square: correction.chi_square,
             surfaces: names.iter().enumerate().map(surface).collect(),
-            open: open(correction),
+            open: open_errors(correction).iter().map(ToString::to_string).collect(),
             series: if correction.kind == SlowErrorKind::Gains { Vec::new() } else { series.collect() },
         }
     }
-}
-
-/// Combinations of offsets and of gains that the winds leave as uncertain as they were.
-fn open(correction: &FieldCorrection) -> Vec<String> {
-    let mut sum = SMatrix::<f64, ERRORS, ERRORS>::zeros();
-    let mut count = 0.0;
-    for (_, at) in correction.known() {
-        sum += at.covariance;
-        count += 1.0;
-    }
-    let mut sentences = Vec::new();
-    let prior = &correction.prior;
-    for (first, size, unit, what) in
-        [(0, prior.offset_mw[0], "mW", "offsets"), (SECTORS, prior.gain_percent[0], "%", "gains")]
-    {
-        let block = sum.fixed_view::<SECTORS, SECTORS>(first, first) / f64::max(count, 1.0);
-        let eigen = block.symmetric_eigen();
-        for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
-            if size > 0.0 && value.max(0.0).sqrt() > OPEN * size {
-                let is_common = vector.sum().abs() > 0.9 * (SECTORS as f64).sqrt();
-                let of = if is_common { "of all surfaces alike" } else { "that differ between surfaces" };
-                let u = value.sqrt() / (SECTORS as f64).sqrt();
-                sentences.push(format!("{what} {of} (± {u:.2} {unit})"));
-            }
-        }
-    }
-    sentences.dedup();
-    sentences
 }
 
 impl SurfaceErrorReport {
@@ -153,7 +122,8 @@ impl SurfaceErrorReport {
         }
         let (scale, unit, digits) = if gains { (1e2, "%", 1) } else { (1e3, "mW", 2) };
         let moves = most - least > CLEAR * u;
-        let over = if moves { format!(" ({:.digits$} to {:.digits$})", scale * least, scale * most) } else { String::new() };
+        let over =
+            if moves { format!(" ({:.digits$} to {:.digits$})", scale * least, scale * most) } else { String::new() };
         let what = if gains { "gain" } else { "heat" };
         let element = &self.element;
         Some(format!("{what} of `{element}` {:+.digits$} ± {:.digits$} {unit}{over}", scale * value, scale * u))
@@ -173,7 +143,11 @@ impl fmt::Display for SlowErrorReport {
         let option = self.kind.word();
         let [before, after] = self.chi_square;
         if words.is_empty() {
-            return writeln!(f, "no slow error is clear in {} slots of wind: nothing to correct by `{option}`", self.winds);
+            return writeln!(
+                f,
+                "no slow error is clear in {} slots of wind: nothing to correct by `{option}`",
+                self.winds
+            );
         }
         let list = words.join(", ");
         if self.is_applied {

@@ -33,11 +33,13 @@ type Covariance = SMatrix<f64, STATES, STATES>;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SlowPrior {
     /// σ, mW.
-    pub offset_mw: [f64; SECTORS],
+    pub offset_mw: f64,
     /// τ, s.
     pub time_s: f64,
     /// σ_γ, %.
-    pub gain_percent: [f64; SECTORS],
+    pub gain_percent: f64,
+    /// Whether what all surfaces share is sought; if not, it stays zero, as uncertain as it was.
+    pub is_common_sought: bool,
     /// Factor of the equations' variances; where it is more than 1, of k² as well.
     pub noise: f64,
 }
@@ -127,11 +129,10 @@ fn filter(prior: &SlowPrior, series: &SlowSeries<'_>, mut each: impl FnMut(Passe
     let (transition, added) = transition(prior, series.slot_s);
     let mut state = State::zeros();
     let mut covariance = Covariance::zeros();
-    for i in 0..SECTORS {
-        let variance = prior.offset_mw[i].powi(2);
-        covariance[(i, i)] = variance;
-        covariance[(SLOPE + i, SLOPE + i)] = variance;
-        covariance[(GAIN + i, GAIN + i)] = prior.gain_percent[i].powi(2);
+    for (first, size) in [(0, prior.offset_mw), (SLOPE, prior.offset_mw), (GAIN, prior.gain_percent)] {
+        for (i, j) in pairs() {
+            covariance[(first + i, first + j)] = size * size * prior.sought(i, j);
+        }
     }
     covariance[(MISSED, MISSED)] = 1.0;
     let mut doubt = 0.0;
@@ -177,16 +178,18 @@ fn transition(prior: &SlowPrior, slot_s: f64) -> (Covariance, Covariance) {
     let decay = (-a).exp();
     let [[ss, sd], [ds, dd]] = [[1.0 + a, a], [-a, 1.0 - a]].map(|row| row.map(|x| decay * x));
     let (mut transition, mut added) = (Covariance::identity(), Covariance::zeros());
-    for i in 0..SECTORS {
-        let (s, d, variance) = (i, SLOPE + i, prior.offset_mw[i].powi(2));
-        for (at, value, of_added) in [
-            ((s, s), ss, 1.0 - ss * ss - sd * sd),
-            ((s, d), sd, -ss * ds - sd * dd),
-            ((d, s), ds, -ss * ds - sd * dd),
-            ((d, d), dd, 1.0 - ds * ds - dd * dd),
+    for (i, j) in pairs() {
+        let variance = prior.offset_mw.powi(2) * prior.sought(i, j);
+        for ((row, column), value, of_added) in [
+            ((0, 0), ss, 1.0 - ss * ss - sd * sd),
+            ((0, SLOPE), sd, -ss * ds - sd * dd),
+            ((SLOPE, 0), ds, -ss * ds - sd * dd),
+            ((SLOPE, SLOPE), dd, 1.0 - ds * ds - dd * dd),
         ] {
-            transition[at] = value;
-            added[at] = variance * of_added;
+            if i == j {
+                transition[(row + i, column + i)] = value;
+            }
+            added[(row + i, column + j)] = variance * of_added;
         }
     }
     (transition, added)
@@ -212,7 +215,7 @@ pub fn smooth(prior: &SlowPrior, series: &SlowSeries<'_>) -> (Vec<SlowErrorsAt>,
         let covariance = of.covariance - of.covariance * known * of.covariance;
         found.push(SlowErrorsAt {
             errors: SVector::from_fn(|i, _| state[place(i)]),
-            covariance: SMatrix::from_fn(|i, j| covariance[(place(i), place(j))]),
+            covariance: SMatrix::from_fn(|i, j| covariance[(place(i), place(j))] + prior.not_sought(i, j)),
         });
         if let Some((row, gain, variance, innovation, rho)) = &of.update {
             let kept = Covariance::identity() - gain * row.transpose();
@@ -240,8 +243,116 @@ pub fn smooth(prior: &SlowPrior, series: &SlowSeries<'_>) -> (Vec<SlowErrorsAt>,
 }
 
 impl SlowPrior {
+    /// Size of an error, mW or %.
+    const fn size(&self, error: usize) -> f64 {
+        if error < SECTORS { self.offset_mw } else { self.gain_percent }
+    }
+
     /// Whether an error may be other than zero.
     fn is_sought(&self, error: usize) -> bool {
-        self.offset_mw.iter().chain(&self.gain_percent).nth(error).is_some_and(|&size| size > 0.0)
+        self.size(error) > 0.0
+    }
+
+    /// Covariance of two surfaces' errors over σ².
+    fn sought(&self, i: usize, j: usize) -> f64 {
+        let own = if i == j { 1.0 } else { 0.0 };
+        if self.is_common_sought { own } else { own - 1.0 / SECTORS as f64 }
+    }
+
+    /// What that lacks of independent errors.
+    fn not_sought(&self, a: usize, b: usize) -> f64 {
+        if self.is_common_sought || (a < SECTORS) != (b < SECTORS) {
+            0.0
+        } else {
+            self.size(a).powi(2) / SECTORS as f64
+        }
+    }
+}
+
+/// All pairs of surfaces.
+fn pairs() -> impl Iterator<Item = (usize, usize)> {
+    (0..SECTORS).flat_map(|i| (0..SECTORS).map(move |j| (i, j)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SLOT_S: f64 = 10.0;
+
+    fn prior(offset_mw: f64, gain_percent: f64) -> SlowPrior {
+        SlowPrior { offset_mw, time_s: 1e5, gain_percent, is_common_sought: true, noise: 1.0 }
+    }
+
+    /// Equations of winds that turn by the golden angle, or of one wind, for offsets that `truth`
+    /// gives, of unit noise from a fixed sequence.
+    fn slots(turning: bool, truth: impl Fn(usize) -> [f64; SECTORS]) -> Vec<Option<SlowEquation>> {
+        let equation = |n: usize| {
+            let angle = if turning { 2.4 * n as f64 } else { 0.3 };
+            let per_mw = core::array::from_fn(|i| 10.0 + 20.0 * (angle * (1.0 + i as f64) + i as f64).sin());
+            let explained: f64 = per_mw.iter().zip(truth(n)).map(|(a, s)| a * s).sum();
+            // Uniform of variance 1.
+            let noise = 12.0_f64.sqrt() * ((n as f64 * 0.754_877_666).fract() - 0.5);
+            let correlation = if turning { 0.0 } else { 1.0 };
+            let per_percent = [0.0; SECTORS];
+            Some(SlowEquation {
+                value: explained + noise,
+                per_mw,
+                per_percent,
+                variance: 1.0,
+                missed: 1.0,
+                correlation,
+            })
+        };
+        (0..100).map(equation).collect()
+    }
+
+    #[test]
+    fn varied_winds_tell_every_offset_within_what_is_stated() {
+        let slots = slots(true, |_| [3.0, 0.0, -1.0, 0.5]);
+        let (found, jump) = smooth(&prior(3.0, 0.0), &SlowSeries { slots: &slots, slot_s: SLOT_S, jumps: &[] });
+        for (i, truth) in [3.0, 0.0, -1.0, 0.5].into_iter().enumerate() {
+            let (off, u) = (found[50].errors[i] - truth, found[50].covariance[(i, i)].sqrt());
+            // A hundred equations of 20/mW and noise √2 leave some 0.01 mW.
+            assert!(u < 0.05 && off.abs() < 3.0 * u, "{i}: {off} ± {u}");
+        }
+        assert!(jump.is_none_or(|(_, explains)| explains < 30.0), "{jump:?}");
+    }
+
+    #[test]
+    fn a_steady_wind_says_one_number_however_long_it_blows() {
+        let slots = slots(false, |_| [3.0, 0.0, 0.0, 0.0]);
+        let (found, _) = smooth(&prior(3.0, 0.0), &SlowSeries { slots: &slots, slot_s: SLOT_S, jumps: &[] });
+        let block = found[50].covariance.fixed_view::<SECTORS, SECTORS>(0, 0).into_owned();
+        let open = block.symmetric_eigenvalues().iter().filter(|&&of| of > 0.9 * 9.0).count();
+        assert_eq!(open, 3);
+    }
+
+    #[test]
+    fn a_jump_is_found_where_it_is_and_what_all_share_stays_if_it_is_not_sought() {
+        let slots = slots(true, |n| if n < 60 { [0.0; SECTORS] } else { [0.0, 2.0, 0.0, 0.0] });
+        let own = SlowPrior { offset_mw: 0.01, ..prior(0.01, 0.0) };
+        let (_, jump) = smooth(&own, &SlowSeries { slots: &slots, slot_s: SLOT_S, jumps: &[] });
+        let (jump, explains) = jump.unwrap();
+        assert!(jump == SlowJump { slot: 60, error: 1 } && explains > 100.0, "{jump:?} {explains}");
+
+        let all = self::slots(true, |_| [1.0; SECTORS]);
+        let not = SlowPrior { is_common_sought: false, ..prior(3.0, 0.0) };
+        let (found, _) = smooth(&not, &SlowSeries { slots: &all, slot_s: SLOT_S, jumps: &[] });
+        let (sum, ones) =
+            (found[50].errors.rows(0, SECTORS).sum(), found[50].covariance.fixed_view::<4, 4>(0, 0).sum());
+        // The mean of four independent errors of 3 mW is uncertain by 1.5 mW.
+        assert!(sum.abs() < 1e-9 && (ones.sqrt() / 4.0 - 1.5).abs() < 1e-6, "{sum} {ones}");
+    }
+
+    #[test]
+    fn the_likelihood_prefers_errors_of_the_size_that_there_is() {
+        let slots = slots(true, |_| [3.0, 0.0, -1.0, 0.5]);
+        let series = SlowSeries { slots: &slots, slot_s: SLOT_S, jumps: &[] };
+        let [none, small, right] = [0.0, 0.03, 2.0].map(|mw| doubt(&prior(mw, 0.0), &series));
+        assert!(right < small && small < none, "{none} {small} {right}");
+        let quiet = self::slots(true, |_| [0.0; SECTORS]);
+        let series = SlowSeries { slots: &quiet, ..series };
+        assert!(doubt(&prior(0.0, 0.0), &series) < doubt(&prior(2.0, 0.0), &series));
     }
 }
