@@ -152,7 +152,7 @@ pub fn measure(experiments: &Path, specimens: u64, progress: &dyn Fn(&str)) -> R
     let mut cases = vec![
         ("nothing".to_owned(), with("Sphere B: nothing is otherwise", Vec::new()), offsets),
         ("gain of one sector −5 %".to_owned(), with("Sphere B: a coating on one sector", vec![gain]), gains),
-        ("the same sun, ten times slower".to_owned(), slow_sun, offsets),
+        ("sun, up to 3 mW, turning ten times slower".to_owned(), slow_sun, offsets),
     ];
     for (name, effect, kind) in EFFECTS {
         cases.push((effect.to_owned(), field.experiment(name)?, kind));
