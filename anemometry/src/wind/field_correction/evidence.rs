@@ -11,8 +11,8 @@ use dr_core::wind::{Anemometer, QualityFlags, WindTick};
 const SLOT_S: f64 = 2.0;
 const MOST_SLOTS: usize = 4096;
 
-/// Estimates that are `starting` later than this are so for their stored heat, which is a slow error
-/// as any, or is none: a head in the sun looks as if it had been warm, s.
+/// Estimates that are `starting` later than this are so for their stored heat, which is a slow
+/// error as any, or is none: a head in the sun looks as if it had been warm, s.
 const BEGUN_S: f64 = 60.0;
 
 /// With one of these the conductances themselves are wrong or missing.

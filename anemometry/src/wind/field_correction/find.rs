@@ -15,8 +15,8 @@ const ROUNDS: usize = 8;
 /// Jumps that take less than this out of the squares of the residuals are none, and most of them.
 const JUMP_EXPLAINS: f64 = 30.0;
 const MOST_JUMPS: usize = 12;
-/// Variance of an equation up to which its wind was steady, and how many such winds it takes to find
-/// what all surfaces share: means over gusts contradict a little, and in the same way as that.
+/// Variance of an equation up to which its wind was steady, and how many such winds it takes to
+/// find what all surfaces share: means over gusts contradict a little, and in the same way as that.
 const STEADY: f64 = 3.0;
 const LEAST_STEADY: f64 = 20.0;
 /// Mean square from which on something has to be explained.
@@ -148,7 +148,7 @@ impl FieldCorrection {
         }
         let begin_s = evidence.begin_s();
         let found = Self { kind, prior, jumps, count, chi_square, begin_s, slot_s, equations: own, found };
-        if open_errors(&found).iter().any(|open| !open.is_common) {
+        if open_errors(&found.prior, found.known().map(|(_, at)| at)).iter().any(|open| !open.is_common) {
             return Err(SlowErrorsUnknown::WindsAlike);
         }
         Ok(found)

@@ -5,8 +5,7 @@ use std::fmt;
 use dr_core::wind::sphere::SECTORS;
 use nalgebra::SMatrix;
 
-use super::find::FieldCorrection;
-use super::smoother::ERRORS;
+use super::smoother::{ERRORS, SlowErrorsAt, SlowPrior};
 
 /// Share of its standard deviation before anything is known beyond which an error is left open.
 const OPEN: f64 = 0.5;
@@ -23,15 +22,14 @@ pub struct OpenError {
     deviation: f64,
 }
 
-/// Those of offsets and of gains.
-pub fn open_errors(correction: &FieldCorrection) -> Vec<OpenError> {
+/// Those of offsets and of gains, from the slots that have an equation.
+pub fn open_errors<'a>(prior: &SlowPrior, known: impl Iterator<Item = &'a SlowErrorsAt>) -> Vec<OpenError> {
     let mut sum = SMatrix::<f64, ERRORS, ERRORS>::zeros();
     let mut count = 0.0;
-    for (_, at) in correction.known() {
+    for at in known {
         sum += at.covariance;
         count += 1.0;
     }
-    let prior = &correction.prior;
     let mut open = Vec::new();
     for (is_gain, first, size) in [(false, 0, prior.offset_mw), (true, SECTORS, prior.gain_percent)] {
         let eigen = (sum.fixed_view::<SECTORS, SECTORS>(first, first) / f64::max(count, 1.0)).symmetric_eigen();

@@ -103,7 +103,10 @@ impl SlowErrorReport {
             time_constant_s: correction.prior.time_s,
             chi_square: correction.chi_square,
             surfaces: names.iter().enumerate().map(surface).collect(),
-            open: open_errors(correction).iter().map(ToString::to_string).collect(),
+            open: open_errors(&correction.prior, known.iter().map(|(_, at)| *at))
+                .iter()
+                .map(ToString::to_string)
+                .collect(),
             series: if correction.kind == SlowErrorKind::Gains { Vec::new() } else { series.collect() },
         }
     }

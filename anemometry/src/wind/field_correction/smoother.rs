@@ -1,17 +1,18 @@
 //! Slow errors over time, from one equation a slot: filter, likelihood and smoother.
 //!
 //! ```text
-//! S_i   Matérn 3/2: standard deviation σ, time constant τ     S_i(t), S_i(t + Δ): σ² (1 + λΔ) e^(−λΔ), λ = √3/τ
+//! S_i   Matérn 3/2: standard deviation σ, time constant τ
+//!       covariance over a time Δ: σ² (1 + λΔ) e^(−λΔ), λ = √3/τ
 //! γ_i   constant, standard deviation σ_γ
 //! both  jump where a jump was found, each by an unknown amount of standard deviation 3 mW or 3 %
-//! e     ρ e + √(1 − ρ²) w                                    what the calibration misses, of standard deviation 1
+//! e     ρ e + √(1 − ρ²) w: what the calibration misses, of standard deviation 1
 //! y     Σ_i (a_i S_i + b_i γ_i) + k e + √r v
 //! ```
 //!
 //! Winds near to each other are missed alike, hence ρ: a steady wind says once what many varied
 //! ones say often. What no equation tells stays at zero, with its standard deviation. The smoother
-//! says of every slot how much a jump there would explain (P. de Jong, J. Penzer, *Diagnosing shocks
-//! in time series*, J. Am. Stat. Assoc. 93 (1998) 796). It
+//! says of every slot how much a jump there would explain (P. de Jong, J. Penzer, *Diagnosing
+//! shocks in time series*, J. Am. Stat. Assoc. 93 (1998) 796). It
 //! is that of Bryson and Frazier, which inverts no covariance (G. J. Bierman, *Fixed interval
 //! smoothing with discrete measurements*, Int. J. Control 18 (1973) 65).
 
@@ -117,7 +118,7 @@ pub struct SlowErrorsAt {
 }
 
 /// What the filter knew at a slot.
-struct Passed {
+struct PassedSlot {
     state: State,
     covariance: Covariance,
     /// Row, gain, variance and value of the innovation, and ρ.
@@ -125,7 +126,7 @@ struct Passed {
 }
 
 /// Runs forward; returns −2 ln of the likelihood.
-fn filter(prior: &SlowPrior, series: &SlowSeries<'_>, mut each: impl FnMut(Passed)) -> f64 {
+fn filter(prior: &SlowPrior, series: &SlowSeries<'_>, mut each: impl FnMut(PassedSlot)) -> f64 {
     let (transition, added) = transition(prior, series.slot_s);
     let mut state = State::zeros();
     let mut covariance = Covariance::zeros();
@@ -162,7 +163,7 @@ fn filter(prior: &SlowPrior, series: &SlowSeries<'_>, mut each: impl FnMut(Passe
             doubt += variance.ln() + innovation * innovation / variance;
             (row, gain, variance, innovation, rho)
         });
-        each(Passed { state, covariance, update });
+        each(PassedSlot { state, covariance, update });
     }
     doubt
 }

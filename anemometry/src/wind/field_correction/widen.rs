@@ -21,7 +21,7 @@ impl FieldCorrection {
         sample: &mut WindSample,
     ) {
         let speed_m_s = f64::from(sample.speed_m_s);
-        if sample.quality_flags.has(QualityFlags::FAILED) || !(speed_m_s > 0.0) {
+        if sample.quality_flags.has(QualityFlags::FAILED) || speed_m_s.is_nan() || speed_m_s <= 0.0 {
             return;
         }
         let Some(added) = self.covariance_m2_s2(time_s, anemometer, estimate) else { return };
@@ -52,7 +52,7 @@ impl FieldCorrection {
         for i in 0..SECTORS {
             let variance = f64::from(estimate.variance_w2_k2[i]);
             // One that was left out moves no wind.
-            if !(variance > 0.0) {
+            if variance.is_nan() || variance <= 0.0 {
                 continue;
             }
             let gradient = Vector3::from(expected[i].gradient_w_s_k_m.map(f64::from));
