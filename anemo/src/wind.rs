@@ -19,9 +19,9 @@ use recording::{Metadata, RecordingLayout, RecordingReader, RecordingRow, Writer
 /// Where the true wind is known (simulated tunnels, or --winds), the errors are reported.
 ///
 /// Four surfaces have one number more than a wind needs. Where it contradicts, the report says
-/// which slow error of single surfaces would explain it: heat (sun, sky, a resistor that drifts) or gain
-/// (dust). With --field-correction that is found over the whole recording and taken out; what the
-/// winds do not determine stays, and widens the uncertainties.
+/// which slow error of single surfaces would explain it: heat (sun, sky, a resistor that drifts) or
+/// gain (dust). With --field-correction that is found over the whole recording and taken out; what
+/// the winds do not determine stays, and widens the uncertainties.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
