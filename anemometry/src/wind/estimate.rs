@@ -10,6 +10,7 @@ use wire::WindSample;
 
 use super::comparison::WindComparison;
 use super::error::WindError;
+use super::field_correction::{FieldCorrection, SlowErrorKind, SlowErrorReport, SlowErrorsUnknown, SlowEvidence};
 use super::gas_input::{GasInput, temperature_column};
 use super::given_winds::GivenWinds;
 use super::level_record::LevelRecord;
@@ -25,6 +26,9 @@ use crate::head::output::WindOutput;
 
 /// Share of a tick by which the output interval may be off.
 const WHOLE: f64 = 1e-3;
+
+/// Share of contradicting estimates from which on it is sought what explains them.
+const OFTEN: f64 = 0.05;
 
 /// With one of these an estimate is of a head that warms up, and the heat of its cores unknown.
 const NOT_SETTLED: [QualityFlags; 3] = [QualityFlags::STARTING, QualityFlags::SATURATED, QualityFlags::NOT_RUNNING];
@@ -81,6 +85,8 @@ pub struct WindEstimation<'a> {
     comparison: WindComparison,
     has_truth: bool,
     levels: LevelRecord,
+    evidence: SlowEvidence,
+    correction: Option<FieldCorrection>,
     unknown_heat: Vec<UnknownHeat>,
     /// Of the gas, and of labels that do not match.
     warnings: Vec<String>,
@@ -126,6 +132,8 @@ impl<'a> WindEstimation<'a> {
             comparison: WindComparison::in_plane(calibration.plane_normal()),
             has_truth: false,
             levels: LevelRecord::default(),
+            evidence: SlowEvidence::default(),
+            correction: None,
             unknown_heat: cores(calibration),
             warnings,
         })
@@ -146,6 +154,36 @@ impl<'a> WindEstimation<'a> {
         self.replay.has_gas()
     }
 
+    /// Corrects slow errors from now on, at the beginning of the recording.
+    #[must_use]
+    pub fn corrected(self, correction: FieldCorrection) -> Self {
+        Self { correction: Some(correction), ..self }
+    }
+
+    /// Slow errors of such a kind in the estimates so far.
+    ///
+    /// # Errors
+    /// If the head has no number to spare, or the recording no wind that says something.
+    pub fn slow_errors(&self, kind: SlowErrorKind) -> Result<FieldCorrection, SlowErrorsUnknown> {
+        FieldCorrection::find(&self.evidence, self.anemometer.anemometer(), kind, self.output.bandwidth_hz)
+    }
+
+    /// The slow errors that were corrected, or those that explain why estimates contradict
+    /// themselves.
+    fn slow_error_report(&self) -> Option<SlowErrorReport> {
+        if let Some(correction) = &self.correction {
+            return Some(SlowErrorReport::of(correction, &self.surfaces(), true));
+        }
+        let counted = self.tally.summary();
+        let inconsistent = *counted.quality_flags.get("inconsistent")?;
+        if (inconsistent as f64) < OFTEN * counted.estimates as f64 {
+            return None;
+        }
+        let [offsets, gains] = [SlowErrorKind::Offsets, SlowErrorKind::Gains].map(|kind| self.slow_errors(kind).ok());
+        let better = FieldCorrection::likelier(offsets?, gains?);
+        better.explains().then(|| SlowErrorReport::of(&better, &self.surfaces(), false))
+    }
+
     /// The next estimate; none after the last row.
     ///
     /// # Errors
@@ -163,11 +201,22 @@ impl<'a> WindEstimation<'a> {
             if moment.known != TickOrigin::Missing {
                 self.levels.add(&moment.tick);
             }
-            let Some(mut sample) = self.anemometer.step(&moment.tick) else { continue };
+            if let Some(correction) = &self.correction {
+                self.anemometer.correct(correction.corrections(moment.time_s));
+            }
+            let Some(estimate) = self.anemometer.step_whole(&moment.tick) else { continue };
+            let mut sample = WindSample::from(&estimate);
             match moment.known {
                 TickOrigin::Recorded => {}
                 TickOrigin::AfterGap => sample.quality_flags = sample.quality_flags.with(QualityFlags::STARTING, true),
                 TickOrigin::Missing => continue,
+            }
+            match &self.correction {
+                Some(correction) => {
+                    correction.widen(moment.time_s, self.anemometer.anemometer(), &estimate, &mut sample)
+                }
+                None if moment.known == TickOrigin::AfterGap => {}
+                None => self.evidence.add(moment.time_s, &estimate),
             }
             let true_wind_m_s = match self.winds {
                 Some(winds) => winds.of(&moment.event),
@@ -193,6 +242,7 @@ impl<'a> WindEstimation<'a> {
 
     /// Statistics of the estimates so far.
     pub fn report(mut self) -> WindReport {
+        let slow_errors = self.slow_error_report();
         self.unknown_heat.retain(UnknownHeat::is_known);
         self.warnings.extend(contradiction(&self.unknown_heat));
         let (gaps, missing_s) = self.replay.gaps;
@@ -215,6 +265,7 @@ impl<'a> WindEstimation<'a> {
             settle_s: self.options.settle_s,
             counted: self.tally.summary(),
             unknown_heat: self.unknown_heat,
+            slow_errors,
             comparison: self.has_truth.then_some(self.comparison),
             written: Vec::new(),
         }

@@ -11,6 +11,7 @@
 //! | [`gas_input`] | pressure and temperature of the gas |
 //! | [`given_winds`] | a table of true winds |
 //! | [`comparison`] | errors against the true wind |
+//! | [`field_correction`] | slow errors found by the redundancy of four surfaces |
 //! | [`tally`], [`median`] | statistics of the estimates |
 //! | [`report`] | all of these as text and as JSON |
 //! | [`error`] | what is refused |
@@ -18,6 +19,7 @@
 pub mod comparison;
 pub mod error;
 pub mod estimate;
+pub mod field_correction;
 pub mod gas_input;
 pub mod given_winds;
 mod level_record;

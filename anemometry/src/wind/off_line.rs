@@ -2,7 +2,9 @@
 //! or a recording.
 
 use dr_core::control::{MOST_ELEMENTS, Tick};
-use dr_core::wind::{Anemometer, WindCommand};
+use dr_core::wind::slow_errors::SurfaceCorrection;
+use dr_core::wind::sphere::SECTORS;
+use dr_core::wind::{Anemometer, WindCommand, WindTick};
 use recording::toml_file::FileError;
 use wire::WindSample;
 
@@ -55,9 +57,23 @@ impl<'a> OffLineAnemometer<'a> {
 
     /// Follows a tick; returns an estimate where one is due.
     pub fn step(&mut self, tick: &Tick<MOST_ELEMENTS>) -> Option<WindSample> {
+        self.step_whole(tick).as_ref().map(WindSample::from)
+    }
+
+    /// The same with overheats and variances.
+    pub fn step_whole(&mut self, tick: &Tick<MOST_ELEMENTS>) -> Option<WindTick> {
         let head = self.head;
-        let estimate = self.anemometer.step(tick, |element, temperature_c| standing_w(head, element, temperature_c))?;
-        Some(WindSample::from(&estimate))
+        self.anemometer.step(tick, |element, temperature_c| standing_w(head, element, temperature_c))
+    }
+
+    /// The anemometer itself.
+    pub const fn anemometer(&self) -> &Anemometer<MOST_ELEMENTS> {
+        &self.anemometer
+    }
+
+    /// Corrects slow errors of the first surfaces from now on.
+    pub const fn correct(&mut self, corrections: [SurfaceCorrection; SECTORS]) {
+        self.anemometer.correct(Some(corrections));
     }
 
     /// Heat that an element without a surface gains on ways that the identification did not have,

@@ -8,6 +8,7 @@ use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
 use super::comparison::WindComparison;
+use super::field_correction::SlowErrorReport;
 use super::gas_input::GasInput;
 use super::tally::EstimateSummary;
 use super::unknown_heat::UnknownHeat;
@@ -48,6 +49,8 @@ pub struct WindReport {
     pub counted: EstimateSummary,
     /// Heat of elements without a surface on ways that the identification did not have.
     pub unknown_heat: Vec<UnknownHeat>,
+    /// Slow errors that were corrected, or would explain contradictions.
+    pub slow_errors: Option<SlowErrorReport>,
     /// The same compared with the true wind, if any of it is known.
     pub comparison: Option<WindComparison>,
     /// Files that were written.
@@ -75,6 +78,7 @@ impl Serialize for WindReport {
         map.serialize_entry("speed_standard_error", &counted.speed_standard_error)?;
         map.serialize_entry("direction_standard_error_deg", &counted.direction_standard_error_deg)?;
         map.serialize_entry("unknown_heat", &self.unknown_heat)?;
+        map.serialize_entry("slow_errors", &self.slow_errors)?;
         map.serialize_entry("compared", &errors.count)?;
         map.serialize_entry("failed", &errors.failed)?;
         map.serialize_entry("without_direction", &errors.no_direction)?;
@@ -114,6 +118,9 @@ impl fmt::Display for WindReport {
         }
         self.counting(f)?;
         self.quality(f)?;
+        if let Some(slow_errors) = &self.slow_errors {
+            write!(f, "{slow_errors}")?;
+        }
         if let Some(comparison) = &self.comparison {
             compared(f, comparison, self.in_plane)?;
         }

@@ -30,6 +30,7 @@ mod head_inverse;
 mod integrity;
 mod output;
 mod setup;
+mod slow;
 
 use crate::checksum::Checksum;
 use crate::control::state::{BOARD_ELEMENTS, MOST_ELEMENTS, RunState, Tick};
@@ -47,6 +48,8 @@ use crate::wind::form::MOST_SURFACES;
 use crate::wind::gas::GasState;
 use crate::wind::gas_law::{GasLaw, ZERO_CELSIUS_K};
 use crate::wind::quality_flags::QualityFlags;
+use crate::wind::slow_errors::SurfaceCorrection;
+use crate::wind::sphere::SECTORS;
 use crate::wind::surface_inverse::{MeasuredConductance, WindState};
 use command::{HeadSurface, WindCommand, WindOutputConfig};
 use output::PreparedOutput;
@@ -72,6 +75,10 @@ pub struct WindTick {
     pub conductance_w_k: [f32; MOST_SURFACES],
     /// The same from the power alone, W/K.
     pub raw_w_k: [f32; MOST_SURFACES],
+    /// Variances of the conductances by the noise of the readings, W²/K²; zero as above.
+    pub variance_w2_k2: [f32; MOST_SURFACES],
+    /// Overheats of the surfaces, K; zero as above.
+    pub overheat_k: [f32; MOST_SURFACES],
     /// Temperature of the gas, °C; zero if it is not known.
     pub gas_c: f32,
     /// The wind estimate.
@@ -90,6 +97,7 @@ pub struct Anemometer<const N: usize> {
     output: Option<PreparedOutput>,
     pressure_pa: Option<f32>,
     given_gas_c: Option<f32>,
+    corrections: Option<[SurfaceCorrection; SECTORS]>,
     state: AnemometerState<N>,
     /// Of all pieces; set with the first command. Checksums in the constructor would make the
     /// compiler build the large value on the stack and copy it.
@@ -238,6 +246,8 @@ impl<const N: usize> Anemometer<N> {
             surfaces: output.config.surfaces,
             conductance_w_k: [0.0; MOST_SURFACES],
             raw_w_k: [0.0; MOST_SURFACES],
+            variance_w2_k2: [0.0; MOST_SURFACES],
+            overheat_k: [0.0; MOST_SURFACES],
             gas_c: gas_c.unwrap_or(0.0),
             wind: WindEstimate::none(),
             quality_flags,
@@ -266,13 +276,16 @@ impl<const N: usize> Anemometer<N> {
                 if self.state.absent_ticks[i] > output.reading_timeout_ticks {
                     continue;
                 }
-                let conductance_w_k = part.gain * flow_w(part, output, convection) / overheat_k;
-                report.conductance_w_k[p] = conductance_w_k;
+                let mut conductance_w_k = part.gain * flow_w(part, output, convection) / overheat_k;
                 let share = part.gain / overheat_k;
-                measured[p] = Some(MeasuredConductance {
-                    conductance_w_k,
-                    variance_w2_k2: share * share * convection.variance_w2[i],
-                });
+                if let Some(correction) = self.corrections.as_ref().and_then(|of| of.get(p)) {
+                    conductance_w_k = correction.corrected_w_k(conductance_w_k, share);
+                }
+                let variance_w2_k2 = share * share * convection.variance_w2[i];
+                report.conductance_w_k[p] = conductance_w_k;
+                report.variance_w2_k2[p] = variance_w2_k2;
+                report.overheat_k[p] = overheat_k;
+                measured[p] = Some(MeasuredConductance { conductance_w_k, variance_w2_k2 });
             }
         }
         let overheat_k = overheat_sum_k / warm.max(1.0);
@@ -359,7 +372,7 @@ impl<const N: usize> Anemometer<N> {
         let powers_w = self.state.power_w.get(..usize::from(elements).max(BOARD_ELEMENTS));
         f32::visit_each(powers_w.unwrap_or(&self.state.power_w), digest);
         if let Some(report) = report {
-            let WindTick { conductance_w_k, raw_w_k, wind, quality_flags, surfaces, gas_c: _ } = report;
+            let WindTick { conductance_w_k, raw_w_k, wind, quality_flags, surfaces, .. } = report;
             quality_flags.0.visit(digest);
             // At least four of each, as digests have had since there were no more.
             let count = usize::from(*surfaces).clamp(4, MOST_SURFACES);

@@ -12,6 +12,7 @@
 //! | [`sphere`] | the surfaces of known heads: four tetrahedral sectors, two hemispheres |
 //! | [`surface_inverse`] | the inverse: conductances in, wind vector with its covariance out |
 //! | [`card_inverse`] | the same for four dice on a card: speed and direction in its plane |
+//! | [`slow_errors`] | what sun, dust and drifts do to the number that four surfaces have to spare |
 //! | [`WindEstimate`] | the wind vector with its standard errors and quality |
 //! | [`QualityFlags`] | limitations of an estimate, one bit each |
 //! | [`anemometer`] | the wind estimate of each tick of the controller; it decides nothing |
@@ -64,6 +65,7 @@ mod normal;
 pub mod nusselt;
 pub mod quality_flags;
 mod singularity;
+pub mod slow_errors;
 pub mod sphere;
 mod start;
 pub mod surface;

@@ -11,14 +11,17 @@ use anemometry::head::Head;
 use anemometry::network::identify::PolesPerPair;
 use anemometry::vector::{angle_deg, length};
 use anemometry::wind::comparison::{Coverage, SLOWEST_M_S, WindComparison};
+use anemometry::wind::field_correction::SlowErrorKind;
+use anemometry::wind::moment::Moment;
 use anemometry::wind::off_line::axes;
 use dr_core::wind::QualityFlags;
 use host_sim::experiment::Experiment;
-use host_sim::sensor::field::{DriftQuantity, ElementDrift, FieldEffects};
+use host_sim::sensor::field::{DriftQuantity, ElementDrift, FieldEffects, Sun};
 use recording::text::count;
 use serde::Serialize;
 use wire::WindSample;
 
+use super::field_correction::blow_corrected;
 use super::wind::blown::blow;
 use super::wind::{SPHERE_B, WindMode, chain};
 use crate::thesis::{StudyError, StudyLab};
@@ -34,16 +37,20 @@ const SETTLE_S: f64 = 5.0;
 const BEYOND: f64 = 3.0;
 const BEYOND_OF_TWO: f64 = 3.44;
 
-/// Names of the experiments of `experiments/field`, each with what is otherwise in it.
-const EFFECTS: [(&str, &str); 7] = [
-    ("sun", "sun, up to 3 mW, turning"),
-    ("surface-heat", "3 mW on one sector, from half way"),
-    ("sky", "sky of 180 K, emissivity 0.13"),
-    ("drifts", "gain −5 %, R₀ +0.01 %, contact −20 %, one sector each"),
-    ("film", "gas and set-point 20 K warmer, film properties"),
-    ("buoyancy", "buoyancy on Mars, 0.3 to 2 m/s"),
-    ("stem", "stem cooled by the wind, and its wake"),
+/// Names of the experiments of `experiments/field`, each with what is otherwise in it, and by what
+/// it is corrected.
+const EFFECTS: [(&str, &str, Option<SlowErrorKind>); 7] = [
+    ("sun", "sun, up to 3 mW, turning", Some(SlowErrorKind::Offsets)),
+    ("surface-heat", "3 mW on one sector, from half way", Some(SlowErrorKind::Offsets)),
+    ("sky", "sky of 180 K, emissivity 0.13", Some(SlowErrorKind::Offsets)),
+    ("drifts", "gain −5 %, R₀ +0.01 %, contact −20 %, one sector each", Some(SlowErrorKind::Both)),
+    ("film", "gas and set-point 20 K warmer, film properties", None),
+    ("buoyancy", "buoyancy on Mars, 0.3 to 2 m/s", None),
+    ("stem", "stem cooled by the wind, and its wake", None),
 ];
+
+/// A tenth of a turn in the time of the experiment.
+const SLOW_SUN_S: f64 = 12_000.0;
 
 /// What an effect does, over all specimens.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -135,23 +142,37 @@ pub fn measure(experiments: &Path, specimens: u64, progress: &dyn Fn(&str)) -> R
         field: FieldEffects { drifts, ..FieldEffects::default() },
         ..sun.clone()
     };
+    let slow = Sun { period_s: Some(SLOW_SUN_S), ..sun.field.sun.ok_or_else(no_sun)? };
+    let slow_sun = Experiment {
+        title: "Sphere B: a slower sun".to_owned(),
+        field: FieldEffects { sun: Some(slow), ..FieldEffects::default() },
+        ..sun.clone()
+    };
+    let (offsets, gains) = (Some(SlowErrorKind::Offsets), Some(SlowErrorKind::Gains));
     let mut cases = vec![
-        ("nothing".to_owned(), with("Sphere B: nothing is otherwise", Vec::new())),
-        ("gain of one sector −5 %".to_owned(), with("Sphere B: a coating on one sector", vec![gain])),
+        ("nothing".to_owned(), with("Sphere B: nothing is otherwise", Vec::new()), offsets),
+        ("gain of one sector −5 %".to_owned(), with("Sphere B: a coating on one sector", vec![gain]), gains),
+        ("sun, up to 3 mW, turning ten times slower".to_owned(), slow_sun, offsets),
     ];
-    for (name, effect) in EFFECTS {
-        cases.push((effect.to_owned(), field.experiment(name)?));
+    for (name, effect, kind) in EFFECTS {
+        cases.push((effect.to_owned(), field.experiment(name)?, kind));
     }
-    let mut tallies = vec![EffectTally::default(); cases.len()];
+    let mut tallies = vec![[EffectTally::default(), EffectTally::default()]; cases.len()];
     for seed in (SEED..).take(specimens as usize) {
         let head = calibrated(&quick, seed)?;
-        for ((_, experiment), tally) in cases.iter().zip(&mut tallies) {
+        for ((_, experiment, kind), tallies) in cases.iter().zip(&mut tallies) {
             let experiment = Experiment { seed, ..experiment.clone() };
             field.announce(&experiment);
-            judge(&experiment, &head, tally)?;
+            judge(&experiment, &head, *kind, tallies)?;
         }
     }
-    let effects = cases.iter().zip(&tallies).map(|((effect, _), tally)| tally.figures(effect)).collect();
+    let mut effects = Vec::new();
+    for ((effect, _, kind), [as_it_is, corrected]) in cases.iter().zip(&tallies) {
+        effects.push(as_it_is.figures(effect));
+        if let Some(kind) = kind {
+            effects.push(corrected.figures(&format!("… corrected: {}", kind.word())));
+        }
+    }
     Ok(FieldReport { specimens, effects })
 }
 
@@ -166,21 +187,35 @@ fn calibrated(quick: &StudyLab<'_>, seed: u64) -> Result<Head, StudyError> {
     Ok(chain::calibrated(&tunnel, &model, TUNNEL_SETTLE_S)?.0)
 }
 
-/// Adds the estimates of an experiment, but for the beginnings of its winds.
-fn judge(experiment: &Experiment, head: &Head, tally: &mut EffectTally) -> Result<(), StudyError> {
+fn no_sun() -> StudyError {
+    StudyError::Other("the experiment `sun` of the field has no [sun]".to_owned())
+}
+
+/// Adds the estimates of an experiment, but for the beginnings of its winds: as they are, and
+/// corrected.
+fn judge(
+    experiment: &Experiment,
+    head: &Head,
+    kind: Option<SlowErrorKind>,
+    tallies: &mut [EffectTally; 2],
+) -> Result<(), StudyError> {
     let axes = head.calibration.as_ref().map(|calibration| axes(head, calibration)).unwrap_or_default();
     let mut label = String::new();
     let mut from_s = 0.0;
-    blow(experiment, head, &[MODE], &mut |_, moment, estimate| {
+    let mut each = |is_corrected: bool, moment: &Moment, estimate: &WindSample| {
         if label != moment.event {
             (label, from_s) = (moment.event.clone(), moment.time_s);
         }
         if let Some(truth_m_s) = moment.wind_m_s
             && moment.time_s - from_s >= SETTLE_S
         {
-            tally.add(estimate, &axes, truth_m_s);
+            tallies[usize::from(is_corrected)].add(estimate, &axes, truth_m_s);
         }
-    })
+    };
+    match kind {
+        Some(kind) => blow_corrected(experiment, head, MODE, kind, &mut each),
+        None => blow(experiment, head, &[MODE], &mut |_, moment, estimate| each(false, moment, estimate)),
+    }
 }
 
 const TITLES: [&str; 6] =
@@ -208,7 +243,8 @@ impl FieldReport {
         format!(
             "Sphere B, {}: identified and calibrated without any effect by `experiments/wind/quick`, judged in the winds of \
              `experiments/field` at {MODE}, {SETTLE_S} s after each change. *95 % intervals*: how many of estimates without a flag \
-             hold the true value. *Unsaid*: estimates off by more than three standard uncertainties without a flag.",
+             hold the true value. *Unsaid*: estimates off by more than three standard uncertainties without a flag. \
+             *Corrected*: the same by [`--field-correction`](../explanation/slow-errors.md).",
             count(self.specimens as usize, "specimen")
         )
     }

@@ -4,12 +4,14 @@
 //! | module | holds |
 //! |---|---|
 //! | [`field`] | sun, sky, drifts, another gas, a cooled stem: what they do to the wind, and whether it is said |
+//! | [`field_correction`] | the same with slow errors corrected |
 //! | [`heads`] | heads of every form, from nothing to wind |
 //! | [`measured`] | measured records: the beginning identified, the rest predicted |
 //! | [`modes`] | constant temperature, current and power on one head |
 //! | [`wind`] | from records of still gas to the wind: the two spheres, by the numbers that the estimates have to reach |
 
 pub mod field;
+pub mod field_correction;
 pub mod heads;
 pub mod measured;
 pub mod modes;

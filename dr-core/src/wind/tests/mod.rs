@@ -20,7 +20,7 @@ use table::{DIAMETER_M, published};
 /// 30°, under which a direction is one.
 const DIRECTION_BOUND_RAD: f32 = 0.5;
 
-fn sphere_b() -> WindVector {
+pub(super) fn sphere_b() -> WindVector {
     let d = DIAMETER_M as f32;
     WindVector::new(HeadForm::Sphere, &published(), &tetrahedral_sectors(d), d, DIRECTION_BOUND_RAD).unwrap()
 }

@@ -1,0 +1,181 @@
+//! What a recording holds about slow errors: conductances of its four surfaces, averaged over slots
+//! of some seconds.
+//!
+//! Slots grow with the recording, so that there are [`MOST_SLOTS`] at most; of two that become one
+//! the steadier is kept, for a mean over a wind that has changed is of no wind.
+
+use dr_core::wind::sphere::SECTORS;
+use dr_core::wind::{Anemometer, QualityFlags, WindTick};
+
+/// First length of a slot, s.
+const SLOT_S: f64 = 2.0;
+const MOST_SLOTS: usize = 4096;
+
+/// Estimates that are `starting` later than this are so for their stored heat, which is a slow
+/// error as any, or is none: a head in the sun looks as if it had been warm, s.
+const BEGUN_S: f64 = 60.0;
+
+/// With one of these the conductances themselves are wrong or missing.
+const NOT_USED: [QualityFlags; 7] = [
+    QualityFlags::REFUSED,
+    QualityFlags::DEGRADED,
+    QualityFlags::UNCALIBRATED,
+    QualityFlags::NO_GAS,
+    QualityFlags::NOT_RUNNING,
+    QualityFlags::SATURATED,
+    QualityFlags::COLD,
+];
+
+/// Means over a slot.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SlowSlot {
+    /// How many estimates.
+    pub count: u32,
+    /// G, W/K.
+    pub conductance_w_k: [f64; SECTORS],
+    /// Variances of single estimates by the noise, W²/K².
+    pub variance_w2_k2: [f64; SECTORS],
+    /// Mean squares of what G changes within the slot, W²/K².
+    pub spread_w2_k2: [f64; SECTORS],
+    /// θ, K.
+    pub overheat_k: [f64; SECTORS],
+    /// Temperature of the gas, °C.
+    pub gas_c: f64,
+}
+
+/// Slots of a recording, from its first estimate on.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SlowEvidence {
+    begin_s: Option<f64>,
+    /// How often the slots have become twice as long.
+    doubled: i32,
+    slots: Vec<SlowSlot>,
+}
+
+impl SlowEvidence {
+    /// Adds an estimate as it was before any correction; those without all four conductances leave
+    /// nothing.
+    pub fn add(&mut self, time_s: f64, estimate: &WindTick) {
+        let begin_s = *self.begin_s.get_or_insert(time_s);
+        let is_used = usize::from(estimate.surfaces) == SECTORS
+            && (time_s - begin_s >= BEGUN_S || !estimate.quality_flags.has(QualityFlags::STARTING))
+            && NOT_USED.iter().all(|&flag| !estimate.quality_flags.has(flag))
+            && estimate.variance_w2_k2.iter().take(SECTORS).all(|&variance| variance > 0.0);
+        if !is_used || time_s < begin_s {
+            return;
+        }
+        let mut place = self.place(time_s - begin_s);
+        while place >= MOST_SLOTS {
+            self.halve();
+            place = self.place(time_s - begin_s);
+        }
+        if self.slots.len() <= place {
+            self.slots.resize(place + 1, SlowSlot::default());
+        }
+        if let Some(slot) = self.slots.get_mut(place) {
+            slot.add(estimate);
+        }
+    }
+
+    fn place(&self, since_s: f64) -> usize {
+        (since_s / self.slot_s()) as usize
+    }
+
+    fn halve(&mut self) {
+        self.doubled += 1;
+        self.slots =
+            self.slots.chunks(2).map(|pair| *pair.iter().reduce(SlowSlot::steadier).unwrap_or(&pair[0])).collect();
+    }
+
+    /// Length of a slot, s.
+    pub fn slot_s(&self) -> f64 {
+        SLOT_S * f64::from(self.doubled).exp2()
+    }
+
+    /// Time of the first estimate, s.
+    pub fn begin_s(&self) -> f64 {
+        self.begin_s.unwrap_or_default()
+    }
+
+    /// All slots; some are empty.
+    pub fn slots(&self) -> &[SlowSlot] {
+        &self.slots
+    }
+
+    /// Whether a head can be corrected: four surfaces round a body, with a calibration.
+    pub fn is_of<const N: usize>(anemometer: &Anemometer<N>) -> bool {
+        anemometer.vector().is_some() && anemometer.gains().count() == SECTORS
+    }
+}
+
+impl SlowSlot {
+    fn add(&mut self, estimate: &WindTick) {
+        self.count += 1;
+        let share = 1.0 / f64::from(self.count);
+        let mean = |of: &mut f64, value: f64| *of += share * (value - *of);
+        for i in 0..SECTORS {
+            let conductance_w_k = f64::from(estimate.conductance_w_k[i]);
+            let before = conductance_w_k - self.conductance_w_k[i];
+            mean(&mut self.conductance_w_k[i], conductance_w_k);
+            mean(&mut self.spread_w2_k2[i], before * (conductance_w_k - self.conductance_w_k[i]));
+            mean(&mut self.variance_w2_k2[i], f64::from(estimate.variance_w2_k2[i]));
+            mean(&mut self.overheat_k[i], f64::from(estimate.overheat_k[i]));
+        }
+        mean(&mut self.gas_c, f64::from(estimate.gas_c));
+    }
+
+    fn unrest(&self) -> f64 {
+        if self.count == 0 { f64::INFINITY } else { self.spread_w2_k2.iter().sum() }
+    }
+
+    fn steadier<'a>(a: &'a Self, b: &'a Self) -> &'a Self {
+        if b.unrest() < a.unrest() { b } else { a }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dr_core::wind::WindEstimate;
+    use dr_core::wind::form::MOST_SURFACES;
+
+    fn estimate(conductance_w_k: f32) -> WindTick {
+        WindTick {
+            surfaces: 4,
+            conductance_w_k: [conductance_w_k; MOST_SURFACES],
+            raw_w_k: [0.0; MOST_SURFACES],
+            variance_w2_k2: [1e-12; MOST_SURFACES],
+            overheat_k: [30.0; MOST_SURFACES],
+            gas_c: -53.0,
+            wind: WindEstimate::none(),
+            quality_flags: QualityFlags::default(),
+        }
+    }
+
+    #[test]
+    fn slots_hold_means_and_what_changes_within_them() {
+        let mut evidence = SlowEvidence::default();
+        for (time_s, g) in [(10.0, 1e-3), (11.0, 2e-3), (12.5, 3e-3)] {
+            evidence.add(time_s, &estimate(g));
+        }
+        let saturated = WindTick { quality_flags: QualityFlags::SATURATED, ..estimate(9.0) };
+        evidence.add(13.0, &saturated);
+        let [first, second] = evidence.slots() else { panic!("{evidence:?}") };
+        assert!((first.conductance_w_k[3] - 1.5e-3).abs() < 1e-9 && (first.spread_w2_k2[3] - 0.25e-6).abs() < 1e-12);
+        assert_eq!((first.count, second.count), (2, 1));
+    }
+
+    #[test]
+    fn of_a_long_recording_the_steadier_slots_are_kept() {
+        let mut evidence = SlowEvidence::default();
+        for n in 0..2 * MOST_SLOTS {
+            // Every other slot is a gust.
+            let gust = if n % 2 == 1 { 1e-3 } else { 0.0 };
+            evidence.add(2.0 * n as f64, &estimate(1e-3));
+            evidence.add(2.0 * n as f64 + 1.0, &estimate(1e-3 + gust));
+        }
+        assert_eq!((evidence.slot_s(), evidence.slots().len()), (4.0, MOST_SLOTS));
+        let early = &evidence.slots()[..MOST_SLOTS / 2];
+        assert!(early.iter().all(|slot| slot.count == 2 && slot.spread_w2_k2[0] < 1e-12));
+    }
+}

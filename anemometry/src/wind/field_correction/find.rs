@@ -1,0 +1,228 @@
+//! The slow errors of a recording: their size and quickness by likelihood, then they themselves.
+
+use dr_core::wind::Anemometer;
+use dr_core::wind::slow_errors::SurfaceCorrection;
+use dr_core::wind::sphere::SECTORS;
+use serde::Serialize;
+
+use super::equations::{corrections, equations};
+use super::evidence::SlowEvidence;
+use super::open::open_errors;
+use super::smoother::{SlowEquation, SlowErrorsAt, SlowJump, SlowPrior, SlowSeries, doubt, smooth};
+
+/// Rounds of linear equations about the winds of the round before.
+const ROUNDS: usize = 8;
+/// Jumps that take less than this out of the squares of the residuals are none, and most of them.
+const JUMP_EXPLAINS: f64 = 30.0;
+const MOST_JUMPS: usize = 12;
+/// Variance of an equation up to which its wind was steady, and how many such winds it takes to
+/// find what all surfaces share: means over gusts contradict a little, and in the same way as that.
+const STEADY: f64 = 3.0;
+const LEAST_STEADY: f64 = 20.0;
+/// Mean square from which on something has to be explained.
+const CONTRADICTED: f64 = 2.0;
+/// Standard deviations beyond which a residual counts as less.
+const FAR: f64 = 3.0;
+
+/// What may be wrong.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SlowErrorKind {
+    /// Heat: sun, sky, leaks, drifts of R₀.
+    Offsets,
+    /// Gains: dust, coatings, contacts.
+    Gains,
+    /// Both.
+    Both,
+}
+
+impl SlowErrorKind {
+    /// As an option has it.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Offsets => "offsets",
+            Self::Gains => "gains",
+            Self::Both => "both",
+        }
+    }
+}
+
+/// Slow errors over a recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FieldCorrection {
+    /// What was sought.
+    pub kind: SlowErrorKind,
+    /// Size and quickness that were found.
+    pub prior: SlowPrior,
+    /// Where errors jump.
+    pub jumps: Vec<SlowJump>,
+    /// Slots with an equation.
+    pub count: usize,
+    /// Mean square of what the equations leave, in their own variances, without and with errors.
+    pub chi_square: [f64; 2],
+    begin_s: f64,
+    slot_s: f64,
+    equations: Vec<Option<SlowEquation>>,
+    found: Vec<SlowErrorsAt>,
+}
+
+/// Why slow errors cannot be found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum SlowErrorsUnknown {
+    /// The head has as many surfaces as unknowns, or more than one to spare, or is a card.
+    #[error(
+        "slow errors are found by the number that four surfaces round a body have to spare: this head has another form"
+    )]
+    NothingToSpare,
+    /// The winds do not say which surface is wrong.
+    #[error(
+        "the winds of the recording are too much alike to say which surface is wrong, so nothing can be corrected: record winds of more directions and speeds"
+    )]
+    WindsAlike,
+    /// No estimate has a wind with a direction.
+    #[error(
+        "slow errors show in winds that have a direction, and the recording has none: record winds of many directions"
+    )]
+    NoWind,
+}
+
+const OFFSETS_MW: [f64; 9] = [0.0, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0];
+const GAINS_PERCENT: [f64; 8] = [0.0, 0.1, 0.3, 1.0, 2.0, 4.0, 8.0, 16.0];
+const TIMES_S: [f64; 11] = [100.0, 200.0, 400.0, 800.0, 1600.0, 3200.0, 6400.0, 12800.0, 25600.0, 51200.0, 102400.0];
+const NOISES: [f64; 7] = [0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0];
+
+impl FieldCorrection {
+    /// Finds them.
+    ///
+    /// # Errors
+    /// If the head has no number to spare, or no slot an equation.
+    pub fn find<const N: usize>(
+        evidence: &SlowEvidence,
+        anemometer: &Anemometer<N>,
+        kind: SlowErrorKind,
+        bandwidth_hz: f64,
+    ) -> Result<Self, SlowErrorsUnknown> {
+        if !SlowEvidence::is_of(anemometer) {
+            return Err(SlowErrorsUnknown::NothingToSpare);
+        }
+        let slot_s = evidence.slot_s();
+        let mut prior = SlowPrior {
+            offset_mw: if kind == SlowErrorKind::Gains { 0.0 } else { 1.0 },
+            time_s: 800.0,
+            gain_percent: if kind == SlowErrorKind::Offsets { 0.0 } else { 1.0 },
+            is_common_sought: true,
+            noise: 1.0,
+        };
+        let mut found: Vec<SlowErrorsAt> = Vec::new();
+        let mut own = Vec::new();
+        let mut jumps: Vec<SlowJump> = Vec::new();
+        for _ in 0..ROUNDS {
+            own = equations(evidence, anemometer, &found, bandwidth_hz);
+            let steady = own.iter().flatten().filter(|of| of.variance < STEADY);
+            prior.is_common_sought = steady.map(|of| 1.0 - of.correlation.powi(2)).sum::<f64>() >= LEAST_STEADY;
+            let slots = doubted(&own, &found, prior.noise);
+            likeliest(&mut prior, &SlowSeries { slots: &slots, slot_s, jumps: &jumps }, kind);
+            loop {
+                let jump;
+                (found, jump) = smooth(&prior, &SlowSeries { slots: &slots, slot_s, jumps: &jumps });
+                match jump {
+                    Some((jump, explains)) if explains > JUMP_EXPLAINS && jumps.len() < MOST_JUMPS => {
+                        jumps.push(jump);
+                        likeliest(&mut prior, &SlowSeries { slots: &slots, slot_s, jumps: &jumps }, kind);
+                    }
+                    _ => break,
+                }
+            }
+        }
+        let count = own.iter().flatten().count();
+        let square = |of: &SlowEquation, errors: Option<&SlowErrorsAt>| {
+            errors.map_or(of.value, |at| of.left(&at.errors)).powi(2) / of.own_variance()
+        };
+        let mean = |with: bool| {
+            let each = own.iter().zip(&found).filter_map(|(of, at)| Some(square(of.as_ref()?, with.then_some(at))));
+            each.sum::<f64>() / count.max(1) as f64
+        };
+        let chi_square = [mean(false), mean(true)];
+        if count == 0 {
+            return Err(SlowErrorsUnknown::NoWind);
+        }
+        let begin_s = evidence.begin_s();
+        let found = Self { kind, prior, jumps, count, chi_square, begin_s, slot_s, equations: own, found };
+        if open_errors(&found.prior, found.known().map(|(_, at)| at)).iter().any(|open| !open.is_common) {
+            return Err(SlowErrorsUnknown::WindsAlike);
+        }
+        Ok(found)
+    }
+
+    /// The kind that makes the winds that both explain likelier; a jump has its price.
+    pub fn likelier(a: Self, b: Self) -> Self {
+        let common = |of: &Self, other: &Self| -> f64 {
+            let pairs = of.equations.iter().zip(&other.equations);
+            let slots: Vec<_> = pairs.map(|(own, other)| own.filter(|_| other.is_some())).collect();
+            let series = SlowSeries { slots: &slots, slot_s: of.slot_s, jumps: &of.jumps };
+            doubt(&of.prior, &series) + JUMP_EXPLAINS * of.jumps.len() as f64
+        };
+        if common(&b, &a) < common(&a, &b) { b } else { a }
+    }
+
+    /// Whether most of the contradictions are gone with these errors.
+    pub fn explains(&self) -> bool {
+        let [before, after] = self.chi_square;
+        before > CONTRADICTED && after < 0.5 * before
+    }
+
+    /// Errors at the slots that have an equation, with their times, s.
+    pub fn known(&self) -> impl Iterator<Item = (f64, &SlowErrorsAt)> {
+        let slots = self.equations.iter().zip(&self.found).enumerate().filter(|(_, (equation, _))| equation.is_some());
+        slots.map(|(place, (_, at))| (self.begin_s + (place as f64 + 0.5) * self.slot_s, at))
+    }
+
+    /// Errors at a time.
+    pub fn at(&self, time_s: f64) -> Option<&SlowErrorsAt> {
+        let place = ((time_s - self.begin_s) / self.slot_s).max(0.0) as usize;
+        self.found.get(place).or_else(|| self.found.last())
+    }
+
+    /// Corrections at a time.
+    pub fn corrections(&self, time_s: f64) -> [SurfaceCorrection; SECTORS] {
+        self.at(time_s).map_or([SurfaceCorrection::default(); SECTORS], corrections)
+    }
+}
+
+/// The equations with those that contradict the errors widened.
+fn doubted(own: &[Option<SlowEquation>], found: &[SlowErrorsAt], noise: f64) -> Vec<Option<SlowEquation>> {
+    let widened = |(place, equation): (usize, &Option<SlowEquation>)| {
+        let mut equation = (*equation)?;
+        if let Some(at) = found.get(place) {
+            let off = equation.left(&at.errors).powi(2) / (noise * equation.own_variance());
+            equation.variance *= (off / FAR.powi(2)).max(1.0);
+        }
+        Some(equation)
+    };
+    own.iter().enumerate().map(widened).collect()
+}
+
+/// Takes each number of the prior that makes the equations likeliest, in turn.
+fn likeliest(prior: &mut SlowPrior, series: &SlowSeries<'_>, kind: SlowErrorKind) {
+    let best = |prior: &mut SlowPrior, of: &[f64], set: &dyn Fn(&mut SlowPrior, f64)| {
+        let with = |value: f64| {
+            let mut other = *prior;
+            set(&mut other, value);
+            other
+        };
+        let least = of.iter().map(|&value| (with(value), doubt(&with(value), series)));
+        if let Some((other, _)) = least.min_by(|a, b| a.1.total_cmp(&b.1)) {
+            *prior = other;
+        }
+    };
+    for _ in 0..2 {
+        if kind != SlowErrorKind::Gains {
+            best(prior, &OFFSETS_MW, &|of, mw| of.offset_mw = mw);
+            best(prior, &TIMES_S, &|of, time_s| of.time_s = time_s);
+        }
+        if kind != SlowErrorKind::Offsets {
+            best(prior, &GAINS_PERCENT, &|of, percent| of.gain_percent = percent);
+        }
+        best(prior, &NOISES, &|of, noise| of.noise = noise);
+    }
+}

@@ -1,0 +1,169 @@
+//! Slow errors in words and as JSON: how large they are, over time, and what the winds leave open.
+
+use std::fmt;
+
+use dr_core::wind::sphere::SECTORS;
+use serde::Serialize;
+
+use super::find::{FieldCorrection, SlowErrorKind};
+use super::open::open_errors;
+
+/// Moments of the series.
+const MOMENTS: usize = 24;
+/// Errors of so many standard uncertainties, and of this share of the largest, are named.
+const CLEAR: f64 = 3.0;
+const NAMED: f64 = 0.2;
+
+/// What was found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SlowErrorReport {
+    /// What was sought.
+    pub kind: SlowErrorKind,
+    /// Whether the wind is corrected by it.
+    pub is_applied: bool,
+    /// Winds that said something.
+    pub winds: usize,
+    /// Time constant of offsets, s.
+    pub time_constant_s: f64,
+    /// Mean squares of what contradicts, over the variance by noise and calibration, without and
+    /// with the errors.
+    pub chi_square: [f64; 2],
+    /// Of every surface.
+    pub surfaces: Vec<SurfaceErrorReport>,
+    /// What the winds leave open, in words.
+    pub open: Vec<String>,
+    /// Offsets over time.
+    pub series: Vec<SlowErrorMoment>,
+}
+
+/// Errors of one surface, mean over the winds that said something.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SurfaceErrorReport {
+    /// Element.
+    pub element: String,
+    /// Heat that it takes up beside the wind, W, and its standard uncertainty.
+    pub offset_w: f64,
+    /// Standard uncertainty, W.
+    pub offset_u_w: f64,
+    /// Least and greatest, W.
+    pub offset_range_w: [f64; 2],
+    /// Change of its gain, as a share.
+    pub gain_change: f64,
+    /// Standard uncertainty.
+    pub gain_change_u: f64,
+    /// Least and greatest.
+    pub gain_range: [f64; 2],
+}
+
+/// Offsets at a time.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SlowErrorMoment {
+    /// s.
+    pub time_s: f64,
+    /// W.
+    pub offset_w: [f64; SECTORS],
+    /// Their standard uncertainties, W.
+    pub offset_u_w: [f64; SECTORS],
+}
+
+impl SlowErrorReport {
+    /// Of a correction; `names` are the elements of the surfaces.
+    pub fn of(correction: &FieldCorrection, names: &[String], is_applied: bool) -> Self {
+        let known: Vec<_> = correction.known().collect();
+        let count = known.len().max(1) as f64;
+        let mean = |of: &dyn Fn(usize) -> f64| (0..known.len()).map(of).sum::<f64>() / count;
+        let range = |of: &dyn Fn(usize) -> f64| {
+            (0..known.len()).map(of).fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)])
+        };
+        let surface = |(i, element): (usize, &String)| {
+            let offset_w = |n: usize| 1e-3 * known[n].1.errors[i];
+            // What multiplies the conductance takes back what its gain has lost.
+            let gain = |n: usize| 1.0 / (1.0 + 1e-2 * known[n].1.errors[SECTORS + i]) - 1.0;
+            let deviation = |n: usize, error: usize| known[n].1.covariance[(error, error)].max(0.0).sqrt();
+            SurfaceErrorReport {
+                element: element.clone(),
+                offset_w: mean(&offset_w),
+                offset_u_w: mean(&|n| 1e-3 * deviation(n, i)),
+                offset_range_w: range(&offset_w),
+                gain_change: mean(&gain),
+                gain_change_u: mean(&|n| 1e-2 * deviation(n, SECTORS + i)),
+                gain_range: range(&gain),
+            }
+        };
+        let step = known.len().div_ceil(MOMENTS).max(1);
+        let series = known.iter().step_by(step).map(|(time_s, at)| SlowErrorMoment {
+            time_s: *time_s,
+            offset_w: core::array::from_fn(|i| 1e-3 * at.errors[i]),
+            offset_u_w: core::array::from_fn(|i| 1e-3 * at.covariance[(i, i)].max(0.0).sqrt()),
+        });
+        Self {
+            kind: correction.kind,
+            is_applied,
+            winds: correction.count,
+            time_constant_s: correction.prior.time_s,
+            chi_square: correction.chi_square,
+            surfaces: names.iter().enumerate().map(surface).collect(),
+            open: open_errors(&correction.prior, known.iter().map(|(_, at)| *at))
+                .iter()
+                .map(ToString::to_string)
+                .collect(),
+            series: if correction.kind == SlowErrorKind::Gains { Vec::new() } else { series.collect() },
+        }
+    }
+}
+
+impl SurfaceErrorReport {
+    /// Its offset or gain in words, if there is one.
+    fn words(&self, gains: bool, largest: f64) -> Option<String> {
+        let (value, u, [least, most]) = match gains {
+            false => (self.offset_w, self.offset_u_w, self.offset_range_w),
+            true => (self.gain_change, self.gain_change_u, self.gain_range),
+        };
+        let size = least.abs().max(most.abs());
+        if !(size > CLEAR * u && size > NAMED * largest) {
+            return None;
+        }
+        let (scale, unit, digits) = if gains { (1e2, "%", 1) } else { (1e3, "mW", 2) };
+        let moves = most - least > CLEAR * u;
+        let over =
+            if moves { format!(" ({:.digits$} to {:.digits$})", scale * least, scale * most) } else { String::new() };
+        let what = if gains { "gain" } else { "heat" };
+        let element = &self.element;
+        Some(format!("{what} of `{element}` {:+.digits$} ± {:.digits$} {unit}{over}", scale * value, scale * u))
+    }
+}
+
+impl fmt::Display for SlowErrorReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let size = |[least, most]: [f64; 2]| least.abs().max(most.abs());
+        let offsets = self.surfaces.iter().map(|of| size(of.offset_range_w)).fold(0.0, f64::max);
+        let gains = self.surfaces.iter().map(|of| size(of.gain_range)).fold(0.0, f64::max);
+        let mut words = Vec::new();
+        for of in &self.surfaces {
+            words.extend(of.words(false, offsets));
+            words.extend(of.words(true, gains));
+        }
+        let option = self.kind.word();
+        let [before, after] = self.chi_square;
+        if words.is_empty() {
+            return writeln!(
+                f,
+                "no slow error is clear in {} slots of wind: nothing to correct by `{option}`",
+                self.winds
+            );
+        }
+        let list = words.join(", ");
+        if self.is_applied {
+            writeln!(f, "corrected: {list}; contradictions, χ² {before:.1} before and {after:.1} after")?;
+        } else {
+            writeln!(
+                f,
+                "contradictions explained: {list}; χ² {before:.1} before and {after:.1} after, with --field-correction {option}"
+            )?;
+        }
+        if !self.open.is_empty() {
+            writeln!(f, "left open by these winds, and not corrected: {}", self.open.join(", "))?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,44 @@
+//! Corrections of slow errors, and what finds them: the inverse by itself, in a gas.
+
+use super::Anemometer;
+use crate::wind::anemometer::head_inverse::HeadInverse;
+use crate::wind::calibration_uncertainty::SpeedScale;
+use crate::wind::gas::GasState;
+use crate::wind::slow_errors::SurfaceCorrection;
+use crate::wind::sphere::SECTORS;
+use crate::wind::surface_inverse::WindVector;
+
+impl<const N: usize> Anemometer<N> {
+    /// Corrects the conductances of the first surfaces from now on.
+    pub const fn correct(&mut self, corrections: Option<[SurfaceCorrection; SECTORS]>) {
+        self.corrections = corrections;
+    }
+
+    /// The inverse of a head of surfaces round a body; none of a card, or without a calibration.
+    pub fn vector(&self) -> Option<&WindVector> {
+        match &self.output.as_ref()?.head {
+            Some(HeadInverse::Surfaces(vector)) => Some(vector),
+            _ => None,
+        }
+    }
+
+    /// The gas at a temperature, °C; none without a pressure, or outside its law.
+    pub fn gas_at(&self, gas_c: f32) -> Option<GasState> {
+        self.gas(Some(gas_c))
+    }
+
+    /// κ: share of a conductance by which the calibration misses it at a speed; 0 where it does not
+    /// say.
+    pub fn missed_share(&self, gas: &GasState, speed_m_s: f32) -> f32 {
+        let config = self.output.as_ref().map(|output| output.config);
+        let (Some(uncertainty), Some(config)) = (&self.setup.uncertainty, config) else { return 0.0 };
+        let Some(reynolds) = config.reynolds else { return 0.0 };
+        let scale = SpeedScale { reynolds, per_speed: gas.reynolds_per_speed(config.diameter_m) };
+        uncertainty.conductance_share_at(scale.place(speed_m_s * scale.per_speed))
+    }
+
+    /// Gains of the surfaces, one after the other.
+    pub fn gains(&self) -> impl Iterator<Item = f32> {
+        self.setup.surfaces().map(|part| part.gain)
+    }
+}
