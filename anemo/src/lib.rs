@@ -41,6 +41,7 @@ mod mark;
 
 mod live;
 mod merge;
+mod mounting_options;
 mod output;
 mod pace;
 mod picture;

@@ -47,6 +47,7 @@
 //! | [`Recorder`], [`recover`], [`journal_of`], [`so_far`] | a writer in a thread of its own; what a journal has kept; its name; a folder that is continued |
 //! | [`RecordingLayout`], [`RecordingRow`] | what a recording's rows consist of |
 //! | [`wind`] | columns of the wind estimate |
+//! | [`head_mounting`] | compass direction and tilt of a head: east, north and up |
 //! | [`utc`] | moments in UTC |
 //! | [`Temporary`] | a file that appears under its name when it is complete |
 //! | [`regular`] | opening files that are neither pipes nor devices |
@@ -69,6 +70,7 @@ mod dialect;
 mod error;
 mod file_format;
 mod format1;
+pub mod head_mounting;
 mod names;
 #[cfg(feature = "parquet")]
 mod parquet;

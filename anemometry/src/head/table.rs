@@ -14,6 +14,7 @@ pub(super) struct HeadTable {
     pub name: String,
     pub sensor: Option<String>,
     pub heading_deg: Option<f64>,
+    pub up: Option<[f64; 3]>,
     pub adc: AdcTable,
     pub guard: GuardTable,
     /// Any word may be a kind.
