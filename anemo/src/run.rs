@@ -53,6 +53,7 @@ pub struct Arguments {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let (experiment, _) = crate::output::read_experiment(&arguments.experiment, arguments.instrument.on.board())?;
+    experiment.differences().iter().for_each(|difference| crate::output::warn(difference));
     let simulated = !matches!(arguments.instrument.on, On::Serial(_));
     let layout = layout(&experiment, &arguments.instrument.on);
     let known = metadata(&experiment, &arguments.instrument.on);
@@ -155,9 +156,10 @@ pub(super) fn metadata(experiment: &Experiment, on: &On) -> Metadata {
         ("start_utc", start_utc()),
         ("software", format!("anemo {}", env!("CARGO_PKG_VERSION"))),
     ];
+    let bandwidth = experiment.wind_output.as_ref().map(|of| ("bandwidth_hz", of.bandwidth_hz.to_string()));
     let models = experiment.models.as_ref().map(|models| ("models", models.source.text.clone()));
     let mounting = experiment.head.heading_deg.map(|_| experiment.head.mounting_or_north().metadata());
-    let known = pairs.into_iter().chain(models).map(|(key, value)| (key.to_owned(), value));
+    let known = pairs.into_iter().chain(models).chain(bandwidth).map(|(key, value)| (key.to_owned(), value));
     known.chain(mounting.unwrap_or_default()).chain(experiment.conditions().to_metadata()).collect()
 }
 

@@ -5,8 +5,10 @@ use dr_core::wind::calibration_uncertainty::{CalibrationUncertainty, KNOTS};
 use dr_core::wind::card_inverse::{KNOTS as CARD_KNOTS, TERMS};
 use dr_core::wind::nusselt::{ORDERS, POINTS};
 use dr_core::wind::{CardConfig, HeadForm, NusseltConfig, SurfaceConfig};
+use recording::toml_file::exactly;
 use serde::{Deserialize, Serialize};
 
+use super::conditions::CalibrationConditions;
 use crate::gas::Species;
 use crate::network::parameters::{CrossHeatingParameters, SelfHeatingParameters};
 
@@ -39,6 +41,9 @@ pub struct CalibrationTable {
     /// The same of a card.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub card: Option<CardTable>,
+    /// In which gas and at which temperatures it was made; older heads do not state it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub conditions: Option<CalibrationConditions>,
     /// What it adds to the uncertainty of the wind.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<UncertaintyTable>,
@@ -76,10 +81,13 @@ pub struct NusseltTable {
 pub struct UncertaintyTable {
     /// Misfit of a conductance, as its share, at Reynolds numbers in geometric progression over the
     /// calibration's.
+    #[serde(deserialize_with = "exactly")]
     pub conductance_share: [f64; KNOTS],
     /// Standard uncertainty of the speed, as its share.
+    #[serde(deserialize_with = "exactly")]
     pub speed_share: [f64; KNOTS],
     /// Standard uncertainty of the direction about one axis across it, °.
+    #[serde(deserialize_with = "exactly")]
     pub direction_deg: [f64; KNOTS],
     /// Greatest χ² that the calibration explains.
     pub chi_square_most: f64,
@@ -94,14 +102,19 @@ pub struct CardTable {
     /// Greatest Reynolds number of the winds.
     pub most_reynolds: f64,
     /// At values of √Re evenly from zero to that of the greatest Reynolds number.
+    #[serde(deserialize_with = "exactly")]
     pub mean: [f64; CARD_KNOTS],
     /// D, at the same values.
+    #[serde(deserialize_with = "exactly")]
     pub difference: [f64; CARD_KNOTS],
     /// Of cos nθ in P.
+    #[serde(deserialize_with = "exactly")]
     pub along: [f64; TERMS],
     /// Of sin nθ in Q.
+    #[serde(deserialize_with = "exactly")]
     pub around: [f64; TERMS],
     /// Of cos nθ in E.
+    #[serde(deserialize_with = "exactly")]
     pub seen: [f64; TERMS],
     /// Standard error of M, as a share of what the wind adds to it.
     pub mean_share: f64,
@@ -116,14 +129,18 @@ pub struct SurfaceTable {
     /// Name of its element.
     pub element: String,
     /// Outward, in the tunnel's frame.
+    #[serde(deserialize_with = "exactly")]
     pub axis: [f64; 3],
     /// Towards a corner.
+    #[serde(deserialize_with = "exactly")]
     pub corner: [f64; 3],
     /// Area, m².
     pub area_m2: f64,
     /// Means of the Legendre polynomials over the surface, from the first order on.
+    #[serde(deserialize_with = "exactly")]
     pub means: [f64; 5],
     /// Their threefold parts, from the third order on.
+    #[serde(deserialize_with = "exactly")]
     pub threefold: [f64; 3],
     /// Factor of its convective loss.
     pub gain: f64,
