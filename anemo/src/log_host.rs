@@ -18,8 +18,8 @@ use host_sim::instrument::{InstrumentPort, Observation};
 use host_sim::run::RunError;
 use host_sim::run::log::{LogCommand, LogEvent, LogHost, LogRequest};
 use publish::commands::FeedRequest;
-use recording::head_mounting::HeadMounting;
 use publish::feed::{Feed, FeedEvent, FeedEventKind, FeedItem};
+use recording::head_mounting::HeadMounting;
 use recording::{Recorder, RecordingRow, utc};
 
 /// Files are looked at as often.

@@ -197,7 +197,10 @@ mod tests {
         assert_eq!(HeadMounting::default().metadata().len(), 1);
         assert_eq!(HeadMounting::from_metadata(&[], None, None), Ok(None));
         let turned = HeadMounting::from_metadata(&tilted.metadata(), Some(0.0), None).unwrap().unwrap();
-        near(turned.earth([1.0, 2.0, 3.0]), HeadMounting::new(0.0, Some([0.1, -0.2, 0.9])).unwrap().earth([1.0, 2.0, 3.0]));
+        near(
+            turned.earth([1.0, 2.0, 3.0]),
+            HeadMounting::new(0.0, Some([0.1, -0.2, 0.9])).unwrap().earth([1.0, 2.0, 3.0]),
+        );
     }
 
     #[test]

@@ -151,7 +151,8 @@ mod tests {
         let failed = row(Some(&WindSample { quality_flags: QualityFlags(1 | 256), ..estimate.clone() }));
         assert!(failed["wind_x_m_s"].is_nan() && failed["wind_gas_temperature_c"].is_nan());
         assert_eq!(failed["quality_flags"], 257.0);
-        let earth = |flags| earth_numbers(&WindSample { quality_flags: flags, ..estimate.clone() }, &HeadMounting::default());
+        let earth =
+            |flags| earth_numbers(&WindSample { quality_flags: flags, ..estimate.clone() }, &HeadMounting::default());
         let [from_deg, up_m_s] = earth(QualityFlags::DEGRADED);
         // Towards x and twice y: towards north-west, from 180° less atan 2.
         assert!((from_deg - (180.0 - 63.434_95)).abs() < 1e-4 && up_m_s == 3.0, "{from_deg} {up_m_s}");

@@ -196,6 +196,9 @@ impl<'a> Calibrator<'a> {
         let ObservedHead { head, network, reference, species, quiescent, .. } = &self.observed;
         let new = CalibrationTable {
             made_from: format!("{winds} of {recordings}; cross-validated: {}", overall.in_words()),
+            made_on: None,
+            version: None,
+            former: None,
             species: *species,
             reference_gas_c: quiescent.gas_temperature_c,
             support_c: (!self.is_by_table).then_some(quiescent.support_temperature_c),

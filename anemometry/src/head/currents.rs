@@ -26,10 +26,7 @@ impl Head {
             if let (Some(error), Some(element)) = (error, self.elements.get(place)) {
                 let high_a = decimal(element.config.channel.current_a(Level::High));
                 let (corrected_a, nominal_a) = (error.corrected_a(high_a), element.nominal.current_high_a);
-                let keys = [
-                    ("current_high_a", rounded(corrected_a)),
-                    ("current_high_nominal_a", rounded(nominal_a)),
-                ];
+                let keys = [("current_high_a", rounded(corrected_a)), ("current_high_nominal_a", rounded(nominal_a))];
                 let before_ppm = 1e6 * (high_a / nominal_a - 1.0);
                 source.text = with_keys(&source.text, place, &keys, &comment(error, before_ppm));
             }
@@ -44,7 +41,9 @@ fn comment(error: &CurrentRatioError, before_ppm: f64) -> String {
     let CurrentRatioError { error_ppm, error_u_ppm, .. } = error;
     // An f32 has its current to a tenth of a ppm.
     if before_ppm.abs() < 0.2 {
-        return format!("  # measured: {error_ppm:+.1} ppm of the ratio high/low, standard uncertainty {error_u_ppm:.1} ppm");
+        return format!(
+            "  # measured: {error_ppm:+.1} ppm of the ratio high/low, standard uncertainty {error_u_ppm:.1} ppm"
+        );
     }
     let both_ppm = 1e6 * ((1.0 + 1e-6 * before_ppm) * (1.0 + 1e-6 * error_ppm) - 1.0);
     format!(
@@ -141,7 +140,8 @@ mod tests {
         let (measured, nominal) = high_a(&twice, 5);
         assert!((measured / (0.016 * 1.001 * 1.001) - 1.0).abs() < 2e-7 && nominal == 0.016, "{measured}");
         assert_eq!(once.source.text.lines().count(), twice.source.text.lines().count());
-        let said = "+2001.0 ppm of the ratio high/low, standard uncertainty 0.8 ppm; +1000.0 ppm before, +1000.0 ppm since\n";
+        let said =
+            "+2001.0 ppm of the ratio high/low, standard uncertainty 0.8 ppm; +1000.0 ppm before, +1000.0 ppm since\n";
         assert!(twice.source.text.contains(said), "{}", twice.source.text);
     }
 

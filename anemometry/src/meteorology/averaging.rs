@@ -4,7 +4,7 @@ use std::path::Path;
 
 use dr_core::wind::QualityFlags;
 use recording::head_mounting::HeadMounting;
-use recording::wind::{ESTIMATED_GAS, QUALITY_FLAGS, SPEED_UNCERTAINTY, WIND_ESTIMATE, WIND_SPEED};
+use recording::wind::{ESTIMATED_GAS, QUALITY_FLAGS, SPEED_UNCERTAINTY, WIND_ESTIMATE, WIND_FROM, WIND_SPEED};
 use recording::{ColumnValues, Metadata, RecordingColumn, RecordingError, RecordingReader, TIME, TRUE_WIND};
 
 use super::eddy::EddyOptions;
@@ -107,7 +107,8 @@ impl Averager<'_> {
         let number = (since_s / self.options.interval_s + 1e-9).floor() as i64;
         if self.current.as_ref().is_none_or(|open| open.number != number) {
             self.close();
-            self.current = Some(OpenInterval { number, estimates: WindSeries::default(), truth: WindSeries::default() });
+            self.current =
+                Some(OpenInterval { number, estimates: WindSeries::default(), truth: WindSeries::default() });
         }
         if let Some(open) = &mut self.current {
             open.estimates.entries.push(estimate);
@@ -137,6 +138,8 @@ struct WindColumns {
     uncertainty: Option<usize>,
     gas: Option<usize>,
     flags: Option<usize>,
+    /// Of another anemometer, which has it in place of a vector.
+    from: Option<usize>,
     truth: Option<[usize; 3]>,
 }
 
@@ -157,12 +160,13 @@ impl WindColumns {
             return Err(RecordingError::new(path, sentence));
         };
         let (uncertainty, gas, flags) = (place(SPEED_UNCERTAINTY), place(ESTIMATED_GAS), place(QUALITY_FLAGS));
-        Ok(Self { time, vector, speed, uncertainty, gas, flags, truth: three(TRUE_WIND) })
+        let from = place(WIND_FROM).filter(|_| vector.is_none());
+        Ok(Self { time, vector, speed, uncertainty, gas, flags, from, truth: three(TRUE_WIND) })
     }
 
     fn all(&self) -> Vec<usize> {
         let three = self.vector.into_iter().chain(self.truth).flatten();
-        let others = [self.speed, self.uncertainty, self.gas, self.flags].into_iter().flatten();
+        let others = [self.speed, self.uncertainty, self.gas, self.flags, self.from].into_iter().flatten();
         let mut all: Vec<usize> = three.chain(others).chain([self.time]).collect();
         all.sort_unstable();
         all
@@ -187,11 +191,14 @@ impl WindColumns {
         let three = |places: Option<[usize; 3]>| places.map_or([&[] as &[f64]; 3], |places| places.map(column));
         let (time, vector, truth) = (column(self.time), three(self.vector), three(self.truth));
         let (speed, uncertainty, gas) = (optional(self.speed), optional(self.uncertainty), optional(self.gas));
-        let (flags, has_flags, has_speed) = (optional(self.flags), self.flags.is_some(), self.speed.is_some());
+        let (flags, from) = (optional(self.flags), optional(self.from));
+        let (has_flags, has_speed) = (self.flags.is_some(), self.speed.is_some());
         let number = |of: &[f64], row: usize| of.get(row).copied().unwrap_or(f64::NAN);
         let entry = move |row: usize| {
             let time_s = number(time, row);
             let own = vector.map(|of| number(of, row));
+            let (sin, cos) = number(from, row).to_radians().sin_cos();
+            let towards = [-sin, -cos, 0.0].map(|of| of * number(speed, row));
             let length_m_s = own.iter().map(|of| of * of).sum::<f64>().sqrt();
             let bits = number(flags, row);
             let flags = match has_flags {
@@ -201,7 +208,11 @@ impl WindColumns {
             };
             let estimate = SeriesEntry {
                 time_s,
-                wind_m_s: if own.iter().all(|of| of.is_finite()) { mounting.earth(own) } else { [0.0; 3] },
+                wind_m_s: match [mounting.earth(own), towards].into_iter().find(|of| of.iter().all(|of| of.is_finite()))
+                {
+                    Some(wind_m_s) => wind_m_s,
+                    None => [0.0; 3],
+                },
                 speed_m_s: if has_speed { number(speed, row) } else { length_m_s },
                 speed_u_m_s: number(uncertainty, row),
                 gas_c: number(gas, row),
@@ -275,7 +286,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = table(folder.path());
         let sentence = |options: &AveragingOptions| average(&path, options).unwrap_err().to_string();
-        assert!(sentence(&AveragingOptions { from_s: 1e4, ..options() }).starts_with("no estimate is at or after 10000 s"));
+        assert!(
+            sentence(&AveragingOptions { from_s: 1e4, ..options() }).starts_with("no estimate is at or after 10000 s")
+        );
         assert!(sentence(&AveragingOptions { height_m: Some(2.0), ..options() }).ends_with("--bandwidth does"));
         let other = folder.path().join("power.csv");
         std::fs::write(&other, "time_s,power_w\n0,1\n1,1\n").unwrap();

@@ -18,6 +18,8 @@ use super::sampling::covariance_u;
 
 const KARMAN: f64 = 0.40;
 const KELVIN: f64 = 273.15;
+/// A flux of fewer standard uncertainties has no root and no inverse.
+const SIGNIFICANT: f64 = 2.0;
 /// Least share of a flux that must be resolved.
 pub const LEAST_RESOLVED: f64 = 0.9;
 
@@ -89,12 +91,14 @@ pub fn fluxes(wind_m_s: &[[f64; 3]], gas_c: &[f64], interval_s: f64, options: &E
     } else {
         let flux = covariance(&along, &across);
         fluxes.uw_m2_s2 = Some(flux);
-        match flux.value < 0.0 {
+        match -flux.value > SIGNIFICANT * flux.u {
             true => {
                 let value = (-flux.value).sqrt();
                 fluxes.friction_velocity_m_s = Some(Sampled { value, u: flux.u / (2.0 * value) });
             }
-            false => fluxes.left_out.push("friction velocity: u'w' is not negative".to_owned()),
+            false => {
+                fluxes.left_out.push("friction velocity: −u'w' is below twice its standard uncertainty".to_owned())
+            }
         }
     }
     let Some(bandwidth_hz) = options.temperature_bandwidth_hz else {
@@ -112,6 +116,10 @@ pub fn fluxes(wind_m_s: &[[f64; 3]], gas_c: &[f64], interval_s: f64, options: &E
     let mean_c = gas_c.iter().sum::<f64>() / count;
     let heat = covariance(&across, &gas_c.iter().map(|of| of - mean_c).collect::<Vec<_>>());
     fluxes.heat_flux_k_m_s = Some(heat);
+    if heat.value.abs() < SIGNIFICANT * heat.u {
+        fluxes.left_out.push("Obukhov length: w'T' is below twice its standard uncertainty".to_owned());
+        return fluxes;
+    }
     fluxes.obukhov_length_m = fluxes.friction_velocity_m_s.map(|of| {
         let value = -of.value.powi(3) * (mean_c + KELVIN) / (KARMAN * options.gravity_m_s2 * heat.value);
         Sampled { value, u: value.abs() * (3.0 * of.u / of.value).hypot(heat.u / heat.value) }
@@ -162,7 +170,8 @@ mod tests {
             let found = fluxes(&wind, &gas, 1800.0, &OPTIONS);
             assert!(found.left_out.is_empty(), "{found:?}");
             let [uw, heat] = [found.uw_m2_s2.unwrap(), found.heat_flux_k_m_s.unwrap()];
-            within += i32::from((uw.value + 0.09).abs() < 2.0 * uw.u) + i32::from((heat.value - 0.05).abs() < 2.0 * heat.u);
+            within +=
+                i32::from((uw.value + 0.09).abs() < 2.0 * uw.u) + i32::from((heat.value - 0.05).abs() < 2.0 * heat.u);
             let friction = found.friction_velocity_m_s.unwrap();
             assert!((friction.value - 0.3).abs() < 5.0 * friction.u && friction.u < 0.015, "{friction:?}");
         }
@@ -195,6 +204,12 @@ mod tests {
         assert!(slow.uw_m2_s2.is_some() && slow.heat_flux_k_m_s.is_none());
         assert!(slow.left_out[0].starts_with("heat flux: at 10 m"), "{:?}", slow.left_out);
         assert!(at(10.0, None).left_out[0].contains("bandwidth of the gas temperature"));
+        // Turbulence that carries nothing.
+        let (u, w) = correlated(9, 36_000, 0.0, 20.0);
+        let idle: Vec<[f64; 3]> = u.iter().zip(&w).map(|(u, w)| [6.0 + 0.75 * u, 0.0, 0.4 * w]).collect();
+        let none = fluxes(&idle, &gas, 1800.0, &OPTIONS);
+        assert!(none.uw_m2_s2.is_some() && none.friction_velocity_m_s.is_none(), "{none:?}");
+        assert!(none.left_out[0].starts_with("friction velocity: −u'w' is below"), "{none:?}");
         let plane: Vec<[f64; 3]> = wind.iter().map(|[x, y, _]| [*x, *y, 0.0]).collect();
         assert!(fluxes(&plane, &gas, 1800.0, &OPTIONS).left_out[0].contains("vertical wind"));
     }

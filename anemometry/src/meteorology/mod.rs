@@ -14,6 +14,7 @@
 //! | [`cospectrum`] | share of a flux that a bandwidth and an interval hold |
 //! | [`sampling`] | uncertainty of a covariance by the length of the record |
 //! | [`averaging`] | a recording, interval by interval |
+//! | [`reference_check`] | a head beside a reference anemometer |
 //! | [`report`] | text, JSON and table |
 
 pub mod averaging;
@@ -22,6 +23,7 @@ pub mod counted;
 pub mod direction;
 pub mod eddy;
 pub mod gust;
+pub mod reference_check;
 pub mod report;
 pub mod sampling;
 pub mod wind_series;

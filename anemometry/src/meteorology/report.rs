@@ -107,7 +107,10 @@ impl MeteorologyReport {
         if self.intervals.iter().any(|of| of.statistics.as_ref().is_some_and(|of| of.fluxes.is_some())) {
             for (name, flux) in FLUXES {
                 table.push((name, of(&|of| flux(of).map(|of| of.value))));
-                table.push((UNCERTAINTIES[FLUXES.iter().position(|(own, _)| *own == name).unwrap_or(0)], of(&|of| flux(of).map(|of| of.u))));
+                table.push((
+                    UNCERTAINTIES[FLUXES.iter().position(|(own, _)| *own == name).unwrap_or(0)],
+                    of(&|of| flux(of).map(|of| of.u)),
+                ));
             }
         }
         let time_s: Vec<f64> = self.intervals.iter().map(|of| of.begin_s).collect();
@@ -139,16 +142,14 @@ const FLUXES: [(&str, Flux); 4] = [
     ("heat_flux_k_m_s", |of| of.fluxes.as_ref()?.heat_flux_k_m_s),
     ("obukhov_length_m", |of| of.fluxes.as_ref()?.obukhov_length_m),
 ];
-const UNCERTAINTIES: [&str; 4] =
-    ["uw_u_m2_s2", "friction_velocity_u_m_s", "heat_flux_u_k_m_s", "obukhov_length_u_m"];
+const UNCERTAINTIES: [&str; 4] = ["uw_u_m2_s2", "friction_velocity_u_m_s", "heat_flux_u_k_m_s", "obukhov_length_u_m"];
 
 impl MeteorologyComparison {
     fn of(intervals: &[MeanInterval]) -> Option<Self> {
         let pairs = || intervals.iter().filter_map(|of| Some((of.statistics.as_ref()?, of.truth.as_ref()?)));
         let intervals = pairs().count();
-        let relative = |number: Number| {
-            summary(pairs().filter_map(|(found, truth)| Some(number(found)? / number(truth)? - 1.0)))
-        };
+        let relative =
+            |number: Number| summary(pairs().filter_map(|(found, truth)| Some(number(found)? / number(truth)? - 1.0)));
         let turn = |deg: f64| (deg + 180.0).rem_euclid(360.0) - 180.0;
         let directions = pairs().filter_map(|(found, truth)| Some(turn(found.wind_from_deg? - truth.wind_from_deg?)));
         (intervals > 0).then(|| Self {
@@ -164,8 +165,9 @@ impl MeteorologyComparison {
 
 /// Mean and rms; NaN of nothing, which JSON has as null.
 fn summary(errors: impl Iterator<Item = f64>) -> [f64; 2] {
-    let (sum, squares, count) =
-        errors.filter(|of| of.is_finite()).fold((0.0, 0.0, 0.0), |(sum, squares, count), of| (sum + of, squares + of * of, count + 1.0));
+    let (sum, squares, count) = errors
+        .filter(|of| of.is_finite())
+        .fold((0.0, 0.0, 0.0), |(sum, squares, count), of| (sum + of, squares + of * of, count + 1.0));
     [sum / count, (squares / count).sqrt()]
 }
 
@@ -183,7 +185,11 @@ impl fmt::Display for MeteorologyReport {
         if !left_out.is_empty() {
             let intervals = count(left_out.len(), "interval");
             let least = 100.0 * LEAST_SHARE;
-            writeln!(f, "{intervals} left out, as less than {least} % of the estimates count: from {}", listed(&left_out, MOST_NAMED))?;
+            writeln!(
+                f,
+                "{intervals} left out, as less than {least} % of the estimates count: from {}",
+                listed(&left_out, MOST_NAMED)
+            )?;
         }
         self.fluxes(f)?;
         if let Some(comparison) = &self.comparison {
@@ -205,7 +211,8 @@ impl fmt::Display for MeteorologyReport {
 
 impl MeteorologyReport {
     fn table(&self) -> String {
-        let heads = ["from s", "valid", "speed m/s", "vector m/s", "from °", "up m/s", "sd m/s", "sd °", "gust m/s", "TI"];
+        let heads =
+            ["from s", "valid", "speed m/s", "vector m/s", "from °", "up m/s", "sd m/s", "sd °", "gust m/s", "TI"];
         let mut lines = vec![heads.map(str::to_owned).to_vec()];
         let number = |of: Option<f64>, digits: usize| of.map_or("–".to_owned(), |of| format!("{of:.digits$}"));
         for interval in &self.intervals {

@@ -331,9 +331,17 @@ mod tests {
         assert!(with("0.001", "0.002").unwrap().calibration.unwrap().table.conditions.is_some());
         let refused = |from: &str, to: &str| with(from, to).unwrap_err().to_string();
         for (from, to, said) in [
-            ("direction_deg = [1.0", "direction_deg = [200.0", "`calibration.uncertainty.direction_deg` is 200 °: it must lie between 0 and 180 °"),
+            (
+                "direction_deg = [1.0",
+                "direction_deg = [200.0",
+                "`calibration.uncertainty.direction_deg` is 200 °: it must lie between 0 and 180 °",
+            ),
             ("speed_share = [0.01", "speed_share = [-0.01", "`calibration.uncertainty.speed_share` is -0.01"),
-            ("direction_deg = [1.0", "direction_deg = [1.0, 1.0", "`direction_deg`: invalid length 5, expected a list of 4"),
+            (
+                "direction_deg = [1.0",
+                "direction_deg = [1.0, 1.0",
+                "`direction_deg`: invalid length 5, expected a list of 4",
+            ),
             ("chi_square_most = 6.6", "chi_square_most = 0.5", "`calibration.uncertainty.chi_square_most` is 0.5"),
             ("gas_c = [20.0", "gas_c = [22.0", "`calibration.conditions.gas_c` must be two numbers, the least first"),
         ] {

@@ -168,7 +168,10 @@ mod tests {
         };
         assert!(found(-51.0, -22.0, 700.0).is_empty());
         let warmer = found(-33.15, -23.15, 1000.0);
-        assert!(warmer[0].starts_with("the gas is at -33.1 °C, and was at -53.2 °C in the calibration: 20 K may be 7 %"), "{warmer:?}");
+        assert!(
+            warmer[0].starts_with("the gas is at -33.1 °C, and was at -53.2 °C in the calibration: 20 K may be 7 %"),
+            "{warmer:?}"
+        );
         assert!(found(-53.15, -13.15, 1000.0)[0].starts_with("the surfaces are held at -13."));
         assert!(found(-53.15, -23.15, 101_325.0)[0].contains("101325 Pa, and was at 1000 to 1001 Pa"));
         calibration.table.conditions = None;

@@ -18,6 +18,15 @@ use crate::network::parameters::{CrossHeatingParameters, SelfHeatingParameters};
 pub struct CalibrationTable {
     /// Recordings and cross-validation of the calibration, in words.
     pub made_from: String,
+    /// Day of its recordings, as 2026-03-01, where they state it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub made_on: Option<String>,
+    /// Its version; 1 if it does not state one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub version: Option<u32>,
+    /// The calibration that this one was made of by a scale, in words.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub former: Option<String>,
     /// The gas that it holds for.
     pub species: Species,
     /// Temperature of the gas of the quiescent-gas network, °C.
