@@ -94,10 +94,9 @@ impl Calibration {
             && !(least / PRESSURE_FACTOR..=most * PRESSURE_FACTOR).contains(&conditions.pressure_pa)
         {
             found.push(format!(
-                "the gas is at {} Pa, and was at {} to {} Pa in the calibration: free convection, and the slip of a thin gas, are others",
+                "the gas is at {} Pa, and was at {} Pa in the calibration: free convection, and the slip of a thin gas, are others",
                 tidy(conditions.pressure_pa),
-                tidy(least),
-                tidy(most)
+                if tidy(least) == tidy(most) { tidy(least).to_string() } else { format!("{} to {}", tidy(least), tidy(most)) }
             ));
         }
         found.extend(self.moved_support(conditions.support_temperature_c));
