@@ -10,7 +10,7 @@ use anemometry::head::{Head, WindOutput};
 use anemometry::wind::error::WindError;
 use anemometry::wind::given_winds;
 use anemometry::wind::{EstimatedWind, WindEstimation, WindOptions};
-use recording::head_mounting::HeadMounting;
+use recording::head_mounting::{HeadMounting, earth_numbers};
 use recording::{Metadata, RecordingLayout, RecordingReader, RecordingRow, WriterOptions, check_name, wind};
 
 /// Estimate the wind from a recording of a calibrated head.
@@ -116,7 +116,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     })? {
         let EstimatedWind { moment, sample, true_wind_m_s } = &estimate;
         let mut numbers = wind::numbers(Some(sample), sample.conductance_w_k.len());
-        numbers.extend(mounting.iter().flat_map(|mounting| wind::earth_numbers(sample, mounting)));
+        numbers.extend(mounting.iter().flat_map(|mounting| earth_numbers(sample, mounting)));
         let row = RecordingRow {
             time_s: moment.time_s,
             temperature_c: &[],

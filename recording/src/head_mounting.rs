@@ -12,6 +12,9 @@
 //! along it shows. The x axis may not be nearer to the vertical than 5°, where its compass
 //! direction means nothing.
 
+use dr_core::wind::QualityFlags;
+use wire::WindSample;
+
 use crate::column::Metadata;
 
 /// Key of a head file and of a recording's metadata: compass direction of the head's x axis, °.
@@ -53,7 +56,8 @@ impl HeadMounting {
     /// Of a compass direction of the x axis, and of what points up (by default the z axis).
     ///
     /// # Errors
-    /// If the direction is not within 0 and 360°, or `up` is no direction or too near to the x axis.
+    /// If the direction is not within 0 and 360°, or `up` is no direction, or too near to the x
+    /// axis.
     pub fn new(heading_deg: f64, up: Option<[f64; 3]>) -> Result<Self, MountingError> {
         let refuse = |key, sentence| Err(MountingError { key, sentence });
         if !(0.0..=360.0).contains(&heading_deg) {
@@ -134,6 +138,16 @@ pub fn from_deg([east, north, _]: [f64; 3]) -> f64 {
     if from >= 360.0 { 0.0 } else { from }
 }
 
+/// The numbers of [`EARTH`](crate::wind::EARTH).
+pub fn earth_numbers(estimate: &WindSample, mounting: &HeadMounting) -> [f32; 2] {
+    if estimate.quality_flags.has(QualityFlags::FAILED) {
+        return [f32::NAN; 2];
+    }
+    let earth = mounting.earth(estimate.wind_m_s.map(f64::from));
+    let has_direction = !estimate.quality_flags.has(QualityFlags::NO_DIRECTION);
+    [if has_direction { from_deg(earth) } else { f64::NAN }, earth[2]].map(|number| number as f32)
+}
+
 /// Three numbers with commas or blanks between them.
 ///
 /// # Errors
@@ -211,5 +225,31 @@ mod tests {
         assert!(sentence(0.0, [0.0; 3]).starts_with("`up` is [0.0, 0.0, 0.0]: three numbers of a direction"));
         assert!(sentence(0.0, [1.0, 0.05, 0.0]).contains("less than 5° from the vertical"));
         assert!(direction("0, 0").unwrap_err().to_string().ends_with("three numbers are wanted, as 0,0,1"));
+    }
+
+    #[test]
+    fn an_estimate_without_a_direction_keeps_its_vertical_wind() {
+        let earth = |quality_flags| {
+            let estimate = WindSample {
+                quality_flags,
+                wind_m_s: [1.0, 2.0, 3.0],
+                speed_m_s: 4.0,
+                across_m_s: 0.0,
+                covariance_m2_s2: [0.0; 6],
+                speed_error_m_s: 0.1,
+                direction_error_rad: 0.1,
+                chi_square: 1.0,
+                gas_c: 20.0,
+                conductance_w_k: [0.001].into_iter().collect(),
+                raw_w_k: [0.001].into_iter().collect(),
+            };
+            earth_numbers(&estimate, &HeadMounting::default())
+        };
+        let [from_deg, up_m_s] = earth(QualityFlags::DEGRADED);
+        // Towards x and twice y: towards north-west, from 180° less atan 2.
+        assert!((from_deg - (180.0 - 63.434_95)).abs() < 1e-4 && up_m_s == 3.0, "{from_deg} {up_m_s}");
+        let [from_deg, up_m_s] = earth(QualityFlags::NO_DIRECTION);
+        assert!(from_deg.is_nan() && up_m_s == 3.0);
+        assert!(earth(QualityFlags::FAILED).iter().all(|number| number.is_nan()));
     }
 }

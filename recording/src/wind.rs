@@ -30,7 +30,6 @@
 use dr_core::wind::QualityFlags;
 use wire::WindSample;
 
-use crate::head_mounting::{HeadMounting, from_deg};
 use crate::names::{CONDUCTANCE, GIVEN_WIND, RAW_CONDUCTANCE, column_name};
 
 /// The wind vector.
@@ -108,16 +107,6 @@ pub fn numbers(estimate: Option<&WindSample>, surfaces: usize) -> Vec<f32> {
     numbers
 }
 
-/// The numbers of [`EARTH`].
-pub fn earth_numbers(estimate: &WindSample, mounting: &HeadMounting) -> [f32; 2] {
-    if estimate.quality_flags.has(QualityFlags::FAILED) {
-        return [f32::NAN; 2];
-    }
-    let earth = mounting.earth(estimate.wind_m_s.map(f64::from));
-    let has_direction = !estimate.quality_flags.has(QualityFlags::NO_DIRECTION);
-    [if has_direction { from_deg(earth) } else { f64::NAN }, earth[2]].map(|number| number as f32)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -148,17 +137,9 @@ mod tests {
         assert!((estimated["wind_direction_u_deg"] - 0.5).abs() < 1e-6);
         assert_eq!((estimated["conductance_w_k_a"], estimated["raw_w_k_b"]), (0.001, 0.003));
         assert!(estimated["conductance_w_k_b"].is_nan(), "not measured");
-        let failed = row(Some(&WindSample { quality_flags: QualityFlags(1 | 256), ..estimate.clone() }));
+        let failed = row(Some(&WindSample { quality_flags: QualityFlags(1 | 256), ..estimate }));
         assert!(failed["wind_x_m_s"].is_nan() && failed["wind_gas_temperature_c"].is_nan());
         assert_eq!(failed["quality_flags"], 257.0);
-        let earth =
-            |flags| earth_numbers(&WindSample { quality_flags: flags, ..estimate.clone() }, &HeadMounting::default());
-        let [from_deg, up_m_s] = earth(QualityFlags::DEGRADED);
-        // Towards x and twice y: towards north-west, from 180° less atan 2.
-        assert!((from_deg - (180.0 - 63.434_95)).abs() < 1e-4 && up_m_s == 3.0, "{from_deg} {up_m_s}");
-        let [from_deg, up_m_s] = earth(QualityFlags::NO_DIRECTION);
-        assert!(from_deg.is_nan() && up_m_s == 3.0);
-        assert!(earth(QualityFlags::FAILED).iter().all(|number| number.is_nan()));
         assert!(row(None).values().all(|number| number.is_nan()));
         assert!(numbers(None, 0).is_empty() && columns(&[]).is_empty());
     }

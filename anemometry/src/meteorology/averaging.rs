@@ -5,33 +5,15 @@ use std::path::Path;
 use dr_core::wind::QualityFlags;
 use recording::head_mounting::HeadMounting;
 use recording::wind::{ESTIMATED_GAS, QUALITY_FLAGS, SPEED_UNCERTAINTY, WIND_ESTIMATE, WIND_FROM, WIND_SPEED};
-use recording::{ColumnValues, Metadata, RecordingColumn, RecordingError, RecordingReader, TIME, TRUE_WIND};
+use recording::{ColumnValues, RecordingColumn, RecordingError, RecordingReader, TIME, TRUE_WIND};
 
 use super::eddy::EddyOptions;
+use super::options::AveragingOptions;
 use super::report::{MeanInterval, MeteorologyReport};
-use super::wind_series::{SeriesEntry, WindSeries};
+use super::wind_series::{EstimateSeries, SeriesEntry};
 
 /// Key of the metadata of a file of estimates.
 const BANDWIDTH: &str = "bandwidth_hz";
-
-/// What is averaged, and how.
-#[derive(Debug, Clone, PartialEq)]
-pub struct AveragingOptions {
-    /// Length of an interval, s.
-    pub interval_s: f64,
-    /// Estimates before do not count, and the first interval begins there, s.
-    pub from_s: f64,
-    /// How the head is mounted; directions count from its x axis where that is not known.
-    pub mounting: Option<HeadMounting>,
-    /// Height above the ground, m, for fluxes.
-    pub height_m: Option<f64>,
-    /// Bandwidth of the wind, Hz, in place of that which the recording states.
-    pub bandwidth_hz: Option<f64>,
-    /// Bandwidth of the gas temperature, Hz.
-    pub temperature_bandwidth_hz: Option<f64>,
-    /// m/s².
-    pub gravity_m_s2: f64,
-}
 
 /// Why a recording has no averages.
 #[derive(Debug, thiserror::Error)]
@@ -93,8 +75,8 @@ struct Averager<'a> {
 
 struct OpenInterval {
     number: i64,
-    estimates: WindSeries,
-    truth: WindSeries,
+    estimates: EstimateSeries,
+    truth: EstimateSeries,
 }
 
 impl Averager<'_> {
@@ -108,7 +90,7 @@ impl Averager<'_> {
         if self.current.as_ref().is_none_or(|open| open.number != number) {
             self.close();
             self.current =
-                Some(OpenInterval { number, estimates: WindSeries::default(), truth: WindSeries::default() });
+                Some(OpenInterval { number, estimates: EstimateSeries::default(), truth: EstimateSeries::default() });
         }
         if let Some(open) = &mut self.current {
             open.estimates.entries.push(estimate);
@@ -226,12 +208,6 @@ impl WindColumns {
         };
         (0..time.len()).filter_map(entry).collect::<Vec<_>>().into_iter()
     }
-}
-
-/// The recording's own words, for a table of averages.
-pub(super) fn title(path: &Path, metadata: &Metadata) -> String {
-    let title = metadata.iter().find(|(key, _)| key == "title").map(|(_, title)| title.clone());
-    title.unwrap_or_else(|| path.display().to_string())
 }
 
 #[cfg(test)]

@@ -175,7 +175,7 @@ mod tests {
             let friction = found.friction_velocity_m_s.unwrap();
             assert!((friction.value - 0.3).abs() < 5.0 * friction.u && friction.u < 0.015, "{friction:?}");
         }
-        // 95 % of 80 within two standard uncertainties, less three standard deviations of that count.
+        // 95 % of 80 within two standard uncertainties, less three standard deviations of it.
         assert!(within >= 70, "{within} of 80");
     }
 

@@ -64,7 +64,8 @@ mod tests {
 
     #[test]
     fn a_window_with_missing_estimates_and_rare_ones_are_no_gust() {
-        // More than half of the gust is missing: the first window that counts has 1.4 s of it, in 2.7 s.
+        // More than half of the gust is missing: the first window that counts has 1.4 s of it, in
+        // 2.7 s.
         let speeds = series(|time_s| if (20.0..23.0).contains(&time_s) { 9.0 } else { 5.0 });
         let kept = speeds.into_iter().filter(|(time_s, _)| !(20.0..21.6).contains(time_s));
         let peak = peak_gust_m_s(0.0, 0.01, kept).unwrap();

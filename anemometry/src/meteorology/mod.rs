@@ -13,6 +13,7 @@
 //! | [`eddy`] | friction velocity, heat flux, Obukhov length |
 //! | [`cospectrum`] | share of a flux that a bandwidth and an interval hold |
 //! | [`sampling`] | uncertainty of a covariance by the length of the record |
+//! | [`options`] | what is averaged, and how |
 //! | [`averaging`] | a recording, interval by interval |
 //! | [`reference_check`] | a head beside a reference anemometer |
 //! | [`report`] | text, JSON and table |
@@ -23,10 +24,12 @@ pub mod counted;
 pub mod direction;
 pub mod eddy;
 pub mod gust;
+pub mod options;
 pub mod reference_check;
 pub mod report;
 pub mod sampling;
 pub mod wind_series;
 
-pub use averaging::{AveragingError, AveragingOptions, average};
+pub use averaging::{AveragingError, average};
+pub use options::AveragingOptions;
 pub use report::MeteorologyReport;

@@ -10,8 +10,9 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::averaging::{AveragingError, AveragingOptions, average};
+use super::averaging::{AveragingError, average};
 use super::eddy::Sampled;
+use super::options::AveragingOptions;
 
 /// Fewer intervals say nothing.
 const LEAST_INTERVALS: usize = 10;

@@ -7,8 +7,8 @@ use recording::text::{columns, count, listed, tidy};
 use recording::{Metadata, RecordingError, write_table};
 use serde::Serialize;
 
-use super::averaging::{AveragingOptions, title};
 use super::eddy::Sampled;
+use super::options::AveragingOptions;
 use super::wind_series::{LEAST_SHARE, WindStatistics};
 
 /// Intervals and reasons that a report names.
@@ -169,6 +169,12 @@ fn summary(errors: impl Iterator<Item = f64>) -> [f64; 2] {
         .filter(|of| of.is_finite())
         .fold((0.0, 0.0, 0.0), |(sum, squares, count), of| (sum + of, squares + of * of, count + 1.0));
     [sum / count, (squares / count).sqrt()]
+}
+
+/// The recording's own words, for a table of averages.
+fn title(path: &Path, metadata: &Metadata) -> String {
+    let title = metadata.iter().find(|(key, _)| key == "title").map(|(_, title)| title.clone());
+    title.unwrap_or_else(|| path.display().to_string())
 }
 
 impl fmt::Display for MeteorologyReport {

@@ -65,12 +65,12 @@ pub struct WindStatistics {
 
 /// The estimates of an interval.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct WindSeries {
+pub struct EstimateSeries {
     /// At rising times.
     pub entries: Vec<SeriesEntry>,
 }
 
-impl WindSeries {
+impl EstimateSeries {
     /// The usual time between estimates: the median; none of less than two.
     pub fn step_s(&self) -> Option<f64> {
         let mut steps: Vec<f64> = self.entries.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
@@ -140,7 +140,7 @@ mod tests {
     }
 
     /// Ten minutes at 10 Hz towards 30° (from 210°): 8 m/s ± 1.2 along, ± 0.8 across.
-    fn series() -> WindSeries {
+    fn series() -> EstimateSeries {
         let (along, across) = correlated(7, 6000, 0.0, 15.0);
         let (sin, cos) = 30.0_f64.to_radians().sin_cos();
         let pairs = along.iter().zip(&across).enumerate();
@@ -148,7 +148,7 @@ mod tests {
             let (ahead, left) = (8.0 + 1.2 * along, 0.8 * across);
             entry(0.1 * n as f64, [ahead * sin - left * cos, ahead * cos + left * sin, 0.2])
         });
-        WindSeries { entries: entries.collect() }
+        EstimateSeries { entries: entries.collect() }
     }
 
     #[test]
@@ -187,9 +187,9 @@ mod tests {
         }
         assert_eq!(flagged.statistics(0.0, 600.0, None), None);
         // A second half that is missing altogether.
-        let half = WindSeries { entries: series().entries[..3000].to_vec() };
+        let half = EstimateSeries { entries: series().entries[..3000].to_vec() };
         assert!((half.share(600.0) - 0.5).abs() < 1e-9 && half.statistics(0.0, 600.0, None).is_none());
-        assert_eq!(WindSeries::default().statistics(0.0, 600.0, None), None);
+        assert_eq!(EstimateSeries::default().statistics(0.0, 600.0, None), None);
     }
 
     #[test]

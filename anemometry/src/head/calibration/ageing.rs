@@ -32,8 +32,8 @@ impl Calibration {
         CalibrationTable { made_on: Some(day.to_owned()), ..self.whole_table() }.with_head(head)
     }
 
-    /// The same with speeds that are greater by a factor of this standard uncertainty; `why` says by
-    /// what it was found.
+    /// The same with speeds that are greater by a factor with a standard uncertainty; `why` says
+    /// by what it was found.
     ///
     /// # Errors
     /// If it cannot be written, or not be read again.

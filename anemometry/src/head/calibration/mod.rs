@@ -28,7 +28,8 @@
 //! | `checks` | what is refused |
 //! | [`checked`] | a checked calibration |
 //! | `ageing` | its day, version, and a scale of its speed |
-//! | [`conditions`] | what it was made in, and what follows in others |
+//! | [`conditions`] | what it was made in |
+//! | `differences` | what follows in other conditions |
 //! | [`commands`] | it as commands of the board's anemometer |
 //! | `new` | a calibration that was just made, on its way to the file |
 
@@ -37,6 +38,7 @@ pub mod checked;
 mod checks;
 pub mod commands;
 pub mod conditions;
+mod differences;
 pub(super) mod keys;
 mod new;
 pub mod table;
