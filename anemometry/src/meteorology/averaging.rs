@@ -82,7 +82,7 @@ struct OpenInterval {
 impl Averager<'_> {
     fn add(&mut self, (estimate, truth): (SeriesEntry, Option<SeriesEntry>)) {
         let since_s = estimate.time_s - self.options.from_s;
-        if !(since_s >= 0.0) {
+        if since_s.is_nan() || since_s < 0.0 {
             return;
         }
         // A time that is a rounding below an interval's begin belongs to it.
@@ -188,13 +188,11 @@ impl WindColumns {
                 // A table of another instrument: what has no number is no wind.
                 false => QualityFlags::default().with(QualityFlags::FAILED, !length_m_s.is_finite() && !has_speed),
             };
+            let vectors = [mounting.earth(own), towards];
+            let vector = vectors.into_iter().find(|of| of.iter().all(|of| of.is_finite()));
             let estimate = SeriesEntry {
                 time_s,
-                wind_m_s: match [mounting.earth(own), towards].into_iter().find(|of| of.iter().all(|of| of.is_finite()))
-                {
-                    Some(wind_m_s) => wind_m_s,
-                    None => [0.0; 3],
-                },
+                wind_m_s: vector.unwrap_or([0.0; 3]),
                 speed_m_s: if has_speed { number(speed, row) } else { length_m_s },
                 speed_u_m_s: number(uncertainty, row),
                 gas_c: number(gas, row),

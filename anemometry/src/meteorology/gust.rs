@@ -13,7 +13,7 @@ const LEAST_SHARE: f64 = 0.9;
 /// of an interval that begins at `begin_s`; none where estimates are too rare.
 pub fn peak_gust_m_s(begin_s: f64, step_s: f64, speeds: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
     let whole = (GUST_S / step_s).round();
-    if !(whole >= LEAST) {
+    if whole.is_nan() || whole < LEAST {
         return None;
     }
     let least = (LEAST_SHARE * whole).ceil() as usize;
