@@ -186,7 +186,11 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         )),
     })?;
     if let Some(path) = &arguments.output {
-        crate::output::write_text(path, &calibrated.text)?;
+        let recording = recording::RecordingReader::open(&arguments.recordings[0]).map_err(Failure::usage)?.metadata();
+        let day = recording.iter().find(|(key, _)| key == "start_utc").and_then(|(_, text)| text.get(..10));
+        let dated = day.zip(calibrated.head.calibration.as_ref()).map(|(day, of)| of.made_on(day, &calibrated.head));
+        let text = dated.transpose().map_err(Failure::work)?.map_or(calibrated.text.clone(), |(text, _)| text);
+        crate::output::write_text(path, &text)?;
     }
     let mut report = CalibrationReport::new(calibrated, short, arguments.settle);
     report.written.clone_from(&arguments.output);

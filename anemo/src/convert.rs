@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::mounting_options::MountingArguments;
 use crate::output::Failure;
 use publish::file::{ConvertError, ConvertOptions};
 use recording::Recording;
@@ -27,15 +28,15 @@ pub struct Arguments {
     /// When it started, in UTC, in place of the recording's `start_utc`.
     #[arg(long, value_name = "MOMENT")]
     start: Option<String>,
-    /// Compass direction of the head's x axis, degrees clockwise from north.
-    #[arg(long, value_name = "DEGREES")]
-    heading: Option<f64>,
+    #[command(flatten)]
+    mounting: MountingArguments,
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     crate::output::keep(&[&arguments.recording], &[Some(&arguments.output)])?;
     let recording = Recording::read(&arguments.recording).map_err(Failure::usage)?;
-    let options = ConvertOptions { start_utc: arguments.start.clone(), heading_deg: arguments.heading };
+    let MountingArguments { heading: heading_deg, .. } = arguments.mounting;
+    let options = ConvertOptions { start_utc: arguments.start.clone(), heading_deg, up: arguments.mounting.up()? };
     publish::file::convert(&recording, &options, &arguments.output).map_err(|error| match error {
         ConvertError::Write { .. } => Failure::work(error),
         error => Failure::usage(error),

@@ -12,6 +12,7 @@ use host_sim::run::log::{LogCommand, LogEvent, LogRefusal, LogRequest};
 use publish::commands::{CommandRefusal, FeedCommand, FeedRequest};
 use publish::feed::{FeedEventKind, FeedLayout, FeedRow, FeedWind};
 use recording::RecordingRow;
+use recording::head_mounting::HeadMounting;
 use wire::Identity;
 
 /// Length of a self-test's pulse of heat, s.
@@ -29,13 +30,13 @@ pub fn layout(experiment: &Experiment, identity: &Identity) -> FeedLayout {
         sample_period_s: experiment.sample_period_s,
         firmware: identity.firmware.to_string(),
         unique_id: identity.unique_id,
-        // An unknown mounting: bearings are those about the head's z axis.
-        heading_deg: experiment.head.heading_deg.unwrap_or(0.0),
+        // An unknown heading: bearings are those from the head's x axis.
+        mounting: experiment.head.mounting_or_north(),
     }
 }
 
 /// A row of the feed.
-pub fn row(row: &RecordingRow<'_>, observation: &Observation, utc: SystemTime, heading_deg: f64) -> FeedRow {
+pub fn row(row: &RecordingRow<'_>, observation: &Observation, utc: SystemTime, mounting: &HeadMounting) -> FeedRow {
     FeedRow {
         time_s: row.time_s,
         utc,
@@ -44,7 +45,7 @@ pub fn row(row: &RecordingRow<'_>, observation: &Observation, utc: SystemTime, h
         equivalent_power_w: row.equivalent_power_w.to_vec(),
         heaters: row.heaters,
         state: row.state.into(),
-        wind: observation.wind.clone().map(|wind| FeedWind::new(wind, heading_deg)),
+        wind: observation.wind.clone().map(|wind| FeedWind::new(wind, mounting)),
         true_wind_m_s: row.true_wind_m_s,
         gas_temperature_c: row.gas_temperature_c,
     }

@@ -41,6 +41,8 @@ mod mark;
 
 mod live;
 mod merge;
+mod meteorology;
+mod mounting_options;
 mod output;
 mod pace;
 mod picture;
@@ -124,6 +126,7 @@ enum Subcommands {
     Calibrate(calibrate::Arguments),
     Wind(wind::Arguments),
     Combine(combine::Arguments),
+    Meteorology(meteorology::Arguments),
     Validate(validate::Arguments),
     Plot(plot::Arguments),
     Example(example::Arguments),
@@ -208,6 +211,7 @@ pub fn main() -> ExitCode {
         Subcommands::Calibrate(arguments) => calibrate::execute(&arguments),
         Subcommands::Wind(arguments) => wind::execute(&arguments),
         Subcommands::Combine(arguments) => combine::execute(&arguments),
+        Subcommands::Meteorology(arguments) => meteorology::execute(&arguments),
         Subcommands::Validate(arguments) => validate::execute(&arguments),
         Subcommands::Plot(arguments) => plot::execute(&arguments),
         Subcommands::Example(arguments) => example::execute(&arguments),

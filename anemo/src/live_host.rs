@@ -58,7 +58,12 @@ impl LogHost for LiveHost {
 
     fn row(&mut self, row: &RecordingRow<'_>, observation: &Observation, _: u64) -> Result<(), RunError> {
         self.pace.iter().for_each(|pace| pace.wait(row.time_s, &self.interrupted));
-        self.feed.push(&FeedItem::Row(Arc::new(feeding::row(row, observation, SystemTime::now(), 0.0))));
+        self.feed.push(&FeedItem::Row(Arc::new(feeding::row(
+            row,
+            observation,
+            SystemTime::now(),
+            &self.feed.layout().mounting,
+        ))));
         if row.time_s >= self.until_s {
             return Err(RunError::Interrupted);
         }

@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 use crate::output::{complain, printable};
 use dr_core::wind::QualityFlags;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use publish::feed::from_deg;
 use recording::RecordingRow;
+use recording::head_mounting::HeadMounting;
 
 const DRAW_EVERY: Duration = Duration::from_millis(250);
 const LINE_EVERY: Duration = Duration::from_secs(60);
@@ -25,14 +25,14 @@ pub(super) struct LiveTable {
     ticks: u32,
     /// The last one, as [`recording::wind::numbers`] has it.
     estimate: Vec<f32>,
-    heading_deg: f64,
+    mounting: HeadMounting,
     lost: u64,
 }
 
 impl LiveTable {
     /// Of a run of so many ticks, or one whose end is not known; winds come from a head with this
-    /// heading.
-    pub fn new(title: &str, elements: Vec<String>, ticks: Option<u64>, heading_deg: f64) -> Self {
+    /// mounting.
+    pub fn new(title: &str, elements: Vec<String>, ticks: Option<u64>, mounting: HeadMounting) -> Self {
         let bar = std::io::stderr().is_terminal().then(|| {
             let bar = ProgressBar::with_draw_target(ticks, ProgressDrawTarget::stderr_with_hz(5));
             let template = ticks.map_or("{msg}", |_| "{msg}\n{bar:40}  {percent:>3} %  {eta} left");
@@ -50,7 +50,7 @@ impl LiveTable {
             high,
             ticks: 0,
             estimate: Vec::new(),
-            heading_deg,
+            mounting,
             lost: 0,
         }
     }
@@ -93,11 +93,11 @@ impl LiveTable {
     }
 
     fn wind_text(&self) -> String {
-        let [x, y, _, speed_m_s, _, error_m_s, .., flags] = *self.estimate else { return String::new() };
+        let [x, y, z, speed_m_s, _, error_m_s, .., flags] = *self.estimate else { return String::new() };
         if !speed_m_s.is_finite() {
             return String::new();
         }
-        let from_deg = from_deg([x, y].map(f64::from), self.heading_deg);
+        let from_deg = self.mounting.from_deg([x, y, z].map(f64::from));
         let has_direction = !QualityFlags(flags as u16).has(QualityFlags::NO_DIRECTION);
         let from = if has_direction { format!(" from {from_deg:.0}°") } else { String::new() };
         format!(", {speed_m_s:.2} ± {error_m_s:.2} m/s{from}, flags {flags}")

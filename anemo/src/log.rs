@@ -108,7 +108,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.service {
         return crate::output::print(&crate::service::unit(&experiment.title)?);
     }
-    experiment.head.heading_deg = arguments.publish.heading.or(experiment.head.heading_deg);
+    arguments.publish.mount(&mut experiment.head)?;
     let mut known = crate::run::metadata(&experiment, on);
     let Begin { begin_s, begin, continued } = begin(folder, &experiment, &mut known)?;
     let layout = crate::run::layout(&experiment, on);
@@ -143,11 +143,11 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         began: None,
         // The time of the last row, about.
         until_s: for_s.map(|for_s| begin_s + for_s - 1.5 * experiment.sample_period_s),
-        heading_deg: feed.layout().heading_deg,
+        mounting: feed.layout().mounting,
         keeps_heating: arguments.keep_heating,
         on_trip: arguments.on_trip.clone().filter(|what| what != "stop"),
         interrupted,
-        table: LiveTable::new(&experiment.title, feed.layout().elements.clone(), None, feed.layout().heading_deg),
+        table: LiveTable::new(&experiment.title, feed.layout().elements.clone(), None, feed.layout().mounting),
         feed,
         requests,
         own_requests: VecDeque::new(),

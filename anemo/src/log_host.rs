@@ -19,6 +19,7 @@ use host_sim::run::RunError;
 use host_sim::run::log::{LogCommand, LogEvent, LogHost, LogRequest};
 use publish::commands::FeedRequest;
 use publish::feed::{Feed, FeedEvent, FeedEventKind, FeedItem};
+use recording::head_mounting::HeadMounting;
 use recording::{Recorder, RecordingRow, utc};
 
 /// Files are looked at as often.
@@ -51,7 +52,7 @@ pub(super) struct Host {
     /// Whether simulated rows wait for their time.
     pub is_paced: bool,
     pub until_s: Option<f64>,
-    pub heading_deg: f64,
+    pub mounting: HeadMounting,
     pub keeps_heating: bool,
     pub on_trip: Option<String>,
     pub interrupted: Arc<AtomicBool>,
@@ -189,7 +190,7 @@ impl LogHost for Host {
         if row.state != self.status.state {
             row.state.clone_into(&mut self.status.state);
         }
-        let feed_row = feeding::row(row, observation, moment, self.heading_deg);
+        let feed_row = feeding::row(row, observation, moment, &self.mounting);
         self.table.push(row, lost + self.status.left_out);
         self.feed.push(&FeedItem::Row(Arc::new(feed_row)));
         self.status.rows += 1;

@@ -3,13 +3,16 @@
 use std::net::{IpAddr, Ipv4Addr};
 use std::sync::Arc;
 
+use crate::mounting_options::MountingArguments;
 use crate::output::{Failure, complain};
+use anemometry::head::Head;
 use publish::commands::FeedCommands;
 use publish::feed::Feed;
 use publish::listen::{Listening, Token};
 use publish::output::{PublishContext, Publishing};
 use publish::page::LivePage;
 use publish::target::PublishTarget;
+use recording::head_mounting::HeadMounting;
 
 #[derive(clap::Args)]
 pub struct PublishArguments {
@@ -26,20 +29,23 @@ pub struct PublishArguments {
     /// What a listener's client says before it may command; without, one is made and printed.
     #[arg(long, value_name = "TOKEN", env = "ANEMO_TOKEN", hide_env_values = true)]
     token: Option<String>,
-    /// Compass direction of the head's x axis, degrees clockwise from north, in place of the head
-    /// file's `heading_deg`.
-    #[arg(long, value_name = "DEGREES")]
-    pub heading: Option<f64>,
+    #[command(flatten)]
+    mounting: MountingArguments,
 }
 
 impl PublishArguments {
     /// What is to be published, before anything runs.
     pub fn targets(&self) -> Result<Vec<PublishTarget>, Failure> {
-        if self.heading.is_some_and(|heading_deg| !(0.0..=360.0).contains(&heading_deg)) {
-            return Err(Failure::usage("--heading lies between 0 and 360 degrees"));
-        }
         let all = self.publish.iter().map(|argument| publish::targets(argument)).collect::<Result<Vec<_>, _>>();
         Ok(all.map_err(Failure::usage)?.into_iter().flatten().collect())
+    }
+
+    /// Mounts a head as the options have it.
+    pub fn mount(&self, head: &mut Head) -> Result<(), Failure> {
+        head.heading_deg = self.mounting.heading.or(head.heading_deg);
+        head.up = self.mounting.up()?.or(head.up);
+        HeadMounting::new(head.heading_deg.unwrap_or(0.0), head.up).map_err(Failure::usage)?;
+        Ok(())
     }
 
     /// Starts it.

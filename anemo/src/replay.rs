@@ -8,6 +8,7 @@ use std::time::{Duration, SystemTime};
 
 use dr_core::wind::{MOST_SURFACES, QualityFlags};
 use publish::feed::{Feed, FeedEvent, FeedEventKind, FeedItem, FeedLayout, FeedRow, FeedWind};
+use recording::head_mounting::HeadMounting;
 use recording::wind::{
     DIRECTION_UNCERTAINTY, ESTIMATED_GAS, QUALITY_FLAGS, SPEED_UNCERTAINTY, WIND_ESTIMATE, WIND_SPEED,
 };
@@ -58,7 +59,7 @@ impl FeedReplay {
             sample_period_s: stated.filter(|period_s| *period_s > 0.0).unwrap_or(SAMPLE_PERIOD_S),
             title: text("title").unwrap_or("Recording").to_owned(),
             head: text("head_name").unwrap_or_default().to_owned(),
-            heading_deg: text("heading_deg").and_then(|text| text.parse().ok()).unwrap_or(0.0),
+            mounting: HeadMounting::from_metadata(&metadata, None, None).ok().flatten().unwrap_or_default(),
             firmware: format!("recorded by {}", text("firmware").unwrap_or("an instrument")),
             ..FeedLayout::default()
         };
@@ -136,7 +137,7 @@ impl ReplayChunk<'_> {
             conductance_w_k: of(CONDUCTANCE, &layout.surfaces).into_iter().take(MOST_SURFACES).collect(),
             raw_w_k: of(RAW_CONDUCTANCE, &layout.surfaces).into_iter().take(MOST_SURFACES).collect(),
         };
-        let wind = flags.is_finite().then(|| FeedWind::new(estimate(flags as u16), layout.heading_deg));
+        let wind = flags.is_finite().then(|| FeedWind::new(estimate(flags as u16), &layout.mounting));
         let heater = |(bit, i): (f32, u32)| usize::from(bit == 1.0).checked_shl(i).unwrap_or(0);
         let true_wind_m_s = TRUE_WIND.map(|name| self.number(name, at));
         let gas_temperature_c = self.number(GAS_TEMPERATURE, at);

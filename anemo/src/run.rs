@@ -53,6 +53,7 @@ pub struct Arguments {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let (experiment, _) = crate::output::read_experiment(&arguments.experiment, arguments.instrument.on.board())?;
+    experiment.differences().iter().for_each(|difference| crate::output::warn(difference));
     let simulated = !matches!(arguments.instrument.on, On::Serial(_));
     let layout = layout(&experiment, &arguments.instrument.on);
     let known = metadata(&experiment, &arguments.instrument.on);
@@ -68,8 +69,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let interrupted = on_interrupt();
     let instrument = arguments.instrument.open(Some(&arguments.experiment), || Ok(experiment.sensor()?))?;
     let names = experiment.head.names().into_iter().map(str::to_owned).collect();
-    let heading_deg = experiment.head.heading_deg.unwrap_or(0.0);
-    let mut table = LiveTable::new(&experiment.title, names, Some(experiment.ticks.into()), heading_deg);
+    let mounting = experiment.head.mounting_or_north();
+    let mut table = LiveTable::new(&experiment.title, names, Some(experiment.ticks.into()), mounting);
     let (start, mut rows) = (Instant::now(), 0_u64);
     let summary = run(&experiment, instrument, &mut |row| {
         recorded.push(row)?;
@@ -121,6 +122,7 @@ pub(super) fn layout(experiment: &Experiment, on: &On) -> RecordingLayout {
         gas: simulated && *on != On::Silicon && experiment.gas_swing.is_some(),
         estimates: experiment.surfaces(),
         combined_wind: false,
+        earth_wind: false,
         observed: experiment.observed().into_iter().map(|element| names[element].to_owned()).collect(),
     }
 }
@@ -154,10 +156,11 @@ pub(super) fn metadata(experiment: &Experiment, on: &On) -> Metadata {
         ("start_utc", start_utc()),
         ("software", format!("anemo {}", env!("CARGO_PKG_VERSION"))),
     ];
+    let bandwidth = experiment.wind_output.as_ref().map(|of| ("bandwidth_hz", of.bandwidth_hz.to_string()));
     let models = experiment.models.as_ref().map(|models| ("models", models.source.text.clone()));
-    let heading = experiment.head.heading_deg.map(|heading_deg| ("heading_deg", heading_deg.to_string()));
-    let known = pairs.into_iter().chain(models).chain(heading).map(|(key, value)| (key.to_owned(), value));
-    known.chain(experiment.conditions().to_metadata()).collect()
+    let mounting = experiment.head.heading_deg.map(|_| experiment.head.mounting_or_north().metadata());
+    let known = pairs.into_iter().chain(models).chain(bandwidth).map(|(key, value)| (key.to_owned(), value));
+    known.chain(mounting.unwrap_or_default()).chain(experiment.conditions().to_metadata()).collect()
 }
 
 /// This moment by the computer's clock, which may be off.

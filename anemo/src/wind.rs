@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::mounting_options::MountingArguments;
 use crate::output::{Failure, has_elements, head_of};
 use crate::picture::PictureArguments;
 use crate::recorded::RecordingOutputs;
@@ -10,6 +11,7 @@ use anemometry::wind::error::WindError;
 use anemometry::wind::field_correction::{FieldCorrection, SlowErrorKind};
 use anemometry::wind::given_winds;
 use anemometry::wind::{EstimatedWind, WindEstimation, WindOptions};
+use recording::head_mounting::{HeadMounting, earth_numbers};
 use recording::{Metadata, RecordingLayout, RecordingReader, RecordingRow, WriterOptions, check_name, wind};
 
 /// Estimate the wind from a recording of a calibrated head.
@@ -65,6 +67,8 @@ pub struct Arguments {
     /// Gas pressure, Pa; by default the recording's.
     #[arg(long, value_name = "PA")]
     pressure: Option<f64>,
+    #[command(flatten)]
+    mounting: MountingArguments,
     /// True winds by label, a .csv or .parquet file as of `anemo calibrate`, for the errors.
     #[arg(long, value_name = "FILE")]
     winds: Option<PathBuf>,
@@ -108,6 +112,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     check(arguments)?;
     let head = head_of(&arguments.recording, arguments.head.as_deref())?;
     has_elements(&arguments.recording, &head)?;
+    let known = RecordingReader::open(&arguments.recording).map_err(Failure::usage)?.metadata();
+    let named = arguments.head.is_some().then_some(&head);
+    let mounting = arguments.mounting.of_recording(&known, named)?;
     let table = arguments.winds.as_deref().map(given_winds::read).transpose().map_err(Failure::usage)?;
     let options = WindOptions {
         bandwidth_hz: Some(arguments.bandwidth),
@@ -129,8 +136,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let (true_wind, gas) = (estimation.has_truth(), estimation.has_gas());
     let estimates = estimation.surfaces();
     let layout =
-        RecordingLayout { elements: Vec::new(), true_wind, gas, observed: Vec::new(), estimates, combined_wind: false };
-    let known = metadata(arguments, &head, &estimation)?;
+        RecordingLayout { true_wind, gas, estimates, earth_wind: mounting.is_some(), ..RecordingLayout::default() };
+    let mut known = metadata(arguments, &head, &estimation)?;
+    known.extend(mounting.iter().flat_map(HeadMounting::metadata));
     let mut recorded = RecordingOutputs::create(
         arguments.output.as_deref(),
         &arguments.picture,
@@ -143,6 +151,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         _ => Failure::work(error),
     })? {
         let EstimatedWind { moment, sample, true_wind_m_s } = &estimate;
+        let mut numbers = wind::numbers(Some(sample), sample.conductance_w_k.len());
+        numbers.extend(mounting.iter().flat_map(|mounting| earth_numbers(sample, mounting)));
         let row = RecordingRow {
             time_s: moment.time_s,
             temperature_c: &[],
@@ -153,7 +163,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
             state: &moment.state,
             true_wind_m_s: true_wind.then(|| true_wind_m_s.unwrap_or([f64::NAN; 3])),
             gas_temperature_c: gas.then(|| moment.gas_c.unwrap_or(f64::NAN)),
-            estimate: &wind::numbers(Some(sample), sample.conductance_w_k.len()),
+            estimate: &numbers,
         };
         recorded.push(&row).map_err(Failure::work)?;
     }

@@ -26,6 +26,7 @@
 //! | [`calibrate`] | from readings in known winds to a calibrated head |
 //! | [`current_ratio`] | ratio of the two currents of an element, from its ticks |
 //! | [`wind`] | wind estimates of a recording, and their errors |
+//! | [`meteorology`] | means, gusts, turbulence and fluxes by intervals |
 //! | [`gas`], [`gas_law`] | properties of carbon dioxide and air, and as polynomials for the board |
 //! | [`vector`] | scalar product, length, angle |
 
@@ -35,6 +36,7 @@ pub mod current_ratio;
 pub mod gas;
 pub mod gas_law;
 pub mod head;
+pub mod meteorology;
 pub mod network;
 pub mod vector;
 pub mod wind;

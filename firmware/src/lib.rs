@@ -7,6 +7,7 @@
 // are gone: `cargo xtask safety`.
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable))]
 
+pub mod azimuth;
 pub mod check_ins;
 pub mod crash_record;
 pub mod cut_off;

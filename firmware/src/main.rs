@@ -31,7 +31,7 @@ use defmt as _;
 mod app {
     use super::board::{self, ELEMENTS, FrontEnd, HostReceiver, HostTransmitter, Idler};
     use super::settings_loader::{Outcome, SettingsLoader};
-    use super::vitals::{self, Health};
+    use super::vitals::{self, Health, LoggedWind};
     use super::{crash_memory, halt};
     use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
     use dr_core::control::{Cause, Lockout, LockoutWords, Margins, Refusal, RunState, TripHistory};
@@ -115,6 +115,8 @@ mod app {
         margins: List<Option<Margins>>,
         /// Trips so far, for the status.
         history: TripHistory,
+        /// The last wind estimate, for the log.
+        wind: Option<LoggedWind>,
         /// As it was after the last run of control.
         run_state: RunState,
     }
@@ -185,6 +187,7 @@ mod app {
                 findings: PendingFindings::of(&identity),
                 margins: List::new(),
                 history: lockout.history(),
+                wind: None,
                 run_state: RunState::Standby,
             },
             Local {
@@ -270,7 +273,7 @@ mod app {
     /// levels until this tick is through, at most for two ticks: then the dead-man timer lowers
     /// them, and this task trips. Never logs, never waits: replies and samples go into a queue, and
     /// what does not fit is dropped and counted.
-    #[task(binds = EXTI4, priority = 5, local = [instrument, lockout_before, kept_lockout, front_end, requests, orders, outcomes, outbox, cut_off: CutOff = CutOff::open()], shared = [findings, margins, history, run_state])]
+    #[task(binds = EXTI4, priority = 5, local = [instrument, lockout_before, kept_lockout, front_end, requests, orders, outcomes, outbox, cut_off: CutOff = CutOff::open()], shared = [findings, margins, history, wind, run_state])]
     fn control(mut cx: control::Context) {
         let control::LocalResources {
             instrument,
@@ -352,6 +355,9 @@ mod app {
             CUT.store(cut_off.judge(tripped, &readings), Relaxed);
             front_end.select(instrument.input());
             let wind = instrument.sense(&tick);
+            if let Some(wind) = &wind {
+                cx.shared.wind.lock(|last| *last = Some(LoggedWind::of(wind)));
+            }
             if let Some(test) = instrument.take_self_test() {
                 test.findings().iter().for_each(|finding| outbox.put(FromBoard::Tested(*finding)));
                 cx.shared.findings.lock(|findings| findings.take(test.unix_s(), test.findings()));
@@ -584,7 +590,7 @@ mod app {
     /// Twenty times a second: feeds the watchdog if every task has checked in, and clears the
     /// check-ins. Once a second: status. Priority 2; late by more than the watchdog's half second
     /// resets the board.
-    #[task(binds = SysTick, priority = 2, local = [health], shared = [status, host_counters, inbox, margins, history, run_state])]
+    #[task(binds = SysTick, priority = 2, local = [health], shared = [status, host_counters, inbox, margins, history, wind, run_state])]
     fn health(mut cx: health::Context) {
         if cx.local.health.beat(&CHECK_INS, CUT.load(Relaxed)) {
             let link = cx.shared.host_counters.lock(|counters| *counters);
@@ -606,6 +612,9 @@ mod app {
                 state: cx.shared.run_state.lock(|state| *state),
             };
             cx.shared.status.lock(|slot| *slot = Some(status));
+            if let Some(wind) = cx.shared.wind.lock(Option::take) {
+                wind.log();
+            }
         }
         #[cfg(feature = "sensor-board")]
         if board::is_supply_low() {

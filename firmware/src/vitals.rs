@@ -4,6 +4,8 @@
 use crate::board::{self, Watchdog};
 use cortex_m::peripheral::{SYST, syst::SystClkSource};
 use dr_core::control::RunState;
+use dr_core::wind::{QualityFlags, WindTick};
+use firmware::azimuth::azimuth_deg;
 use firmware::check_ins::CheckIns;
 use firmware::crash_record::CrashRecord;
 use wire::{Identity, Name, ResetCause};
@@ -64,6 +66,33 @@ pub fn identity(reset: ResetCause, past: CrashRecord) -> Identity {
     let (elements, order) = (board::ELEMENTS as u8, dr_core::model::ORDER as u8);
     let CrashRecord { starts, crash } = past;
     Identity { firmware, board: board::KIND, elements, order, reset, starts, crash, unique_id: board::unique_id() }
+}
+
+/// A wind estimate for the log.
+#[derive(Clone, Copy)]
+pub struct LoggedWind {
+    speed_m_s: f32,
+    towards_m_s: [f32; 2],
+    flags: QualityFlags,
+}
+
+impl LoggedWind {
+    /// What the log has of an estimate.
+    pub const fn of(tick: &WindTick) -> Self {
+        let [x_m_s, y_m_s, _] = tick.wind.wind_m_s;
+        Self { speed_m_s: tick.wind.speed_m_s, towards_m_s: [x_m_s, y_m_s], flags: tick.quality_flags }
+    }
+
+    /// In words, once a second. The azimuth is the vector's, from the head's x axis towards y.
+    pub fn log(self) {
+        let Self { speed_m_s, towards_m_s: [x_m_s, y_m_s], flags } = self;
+        if flags.has(QualityFlags::FAILED) {
+            defmt::info!("no wind, flags {=u16}", flags.0);
+        } else {
+            let towards_deg = azimuth_deg(x_m_s, y_m_s);
+            defmt::info!("wind {=f32} m/s towards azimuth {=u16}, flags {=u16}", speed_m_s, towards_deg, flags.0);
+        }
+    }
 }
 
 /// A change of state, for people.

@@ -30,6 +30,7 @@ fn noisy_in(rows: u32, metadata: &[(&str, &str)], gas: bool) -> Recording {
         observed: Vec::new(),
         estimates: Vec::new(),
         combined_wind: false,
+        earth_wind: false,
     };
     let mut collector = Collector::new(layout, &metadata);
     let mut state = 1_u32;

@@ -11,6 +11,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::{Duration, Instant, SystemTime};
 
 use dr_core::wind::QualityFlags;
+use recording::head_mounting::{HeadMounting, from_deg};
 use wire::WindSample;
 
 /// What is known of an instrument before its first row.
@@ -33,9 +34,8 @@ pub struct FeedLayout {
     pub firmware: String,
     /// A number that no other board has; zeros for one that is no hardware.
     pub unique_id: [u32; 3],
-    /// Compass direction in which the head's x axis points, degrees clockwise from north, where
-    /// its z axis points up.
-    pub heading_deg: f64,
+    /// Compass direction and tilt of the head.
+    pub mounting: HeadMounting,
 }
 
 impl FeedLayout {
@@ -84,13 +84,16 @@ pub struct FeedWind {
     pub estimate: WindSample,
     /// Direction from which it blows, degrees clockwise from north, in 0 … 360.
     pub from_deg: f64,
+    /// Horizontal speed, m/s.
+    pub horizontal_m_s: f64,
 }
 
 impl FeedWind {
-    /// An estimate of a head whose x axis points to `heading_deg`.
-    pub fn new(estimate: WindSample, heading_deg: f64) -> Self {
-        let [x, y, _] = estimate.wind_m_s;
-        Self { from_deg: from_deg([x, y].map(f64::from), heading_deg), estimate }
+    /// An estimate of a head that is mounted like this.
+    pub fn new(estimate: WindSample, mounting: &HeadMounting) -> Self {
+        let earth_m_s = mounting.earth(estimate.wind_m_s.map(f64::from));
+        let [east_m_s, north_m_s, _] = earth_m_s;
+        Self { from_deg: from_deg(earth_m_s), horizontal_m_s: east_m_s.hypot(north_m_s), estimate }
     }
 
     /// Whether there is a wind vector: speed and direction mean something.
@@ -102,15 +105,6 @@ impl FeedWind {
     pub fn has_direction(&self) -> bool {
         self.is_valid() && !self.estimate.quality_flags.has(QualityFlags::NO_DIRECTION)
     }
-}
-
-/// Direction from which a wind towards (x, y) blows, degrees clockwise from north, in 0 … 360, of a
-/// head whose x axis points to `heading_deg`. Seen from above, y is a quarter turn to the left of
-/// x.
-pub fn from_deg([x, y]: [f64; 2], heading_deg: f64) -> f64 {
-    let from = (heading_deg - y.atan2(x).to_degrees() + 180.0).rem_euclid(360.0);
-    // The remainder of a tiny negative number rounds to the divisor.
-    if from >= 360.0 { 0.0 } else { from }
 }
 
 /// What happened.

@@ -4,7 +4,10 @@ use crate::names::{
     CONDUCTANCE, EQUIVALENT_POWER, EVENT, GAS_TEMPERATURE, HEATER, POWER, RAW_CONDUCTANCE, STATE, TEMPERATURE, TIME,
     TRUE_WIND, UTC, element_of,
 };
-use crate::wind::{DIRECTION_UNCERTAINTY, ESTIMATED_GAS, QUALITY_FLAGS, SPEED_UNCERTAINTY, WIND_ESTIMATE, WIND_SPEED};
+use crate::wind::{
+    DIRECTION_UNCERTAINTY, ESTIMATED_GAS, QUALITY_FLAGS, SPEED_UNCERTAINTY, WIND_ESTIMATE, WIND_FROM, WIND_SPEED,
+    WIND_UP,
+};
 
 /// Quantities of an element: unit, meaning.
 const OF_ELEMENTS: [(&str, &str, &str); 6] = [
@@ -38,6 +41,8 @@ pub(crate) fn described(column: &str) -> Option<(&'static str, String)> {
         DIRECTION_UNCERTAINTY => ("°", "standard uncertainty of the wind direction"),
         ESTIMATED_GAS => ("°C", "gas temperature that the estimate uses"),
         QUALITY_FLAGS => ("1", "quality of the wind estimate, a sum of bits; 0 is good"),
+        WIND_FROM => ("°", "direction from which the wind blows, clockwise from north"),
+        WIND_UP => ("m/s", "vertical wind"),
         "wind_across_m_s" => ("m/s", "wind in the directions that the head does not resolve"),
         "wind_chi_square" => ("1", "misfit of the conductances"),
         name if TRUE_WIND.contains(&name) => ("m/s", "wind vector of the simulation: where the gas goes to"),
@@ -63,6 +68,7 @@ mod tests {
             observed: names(),
             estimates: names(),
             combined_wind: false,
+            earth_wind: true,
         };
         for column in layout.columns().into_iter().chain([UTC.to_owned()]) {
             let (unit, what) = described(&column).unwrap_or_else(|| panic!("{column}"));

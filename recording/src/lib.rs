@@ -42,11 +42,12 @@
 //! | module or type | what it is |
 //! |---|---|
 //! | [`Recording`], [`RecordingReader`] | a file as whole columns; in chunks |
-//! | [`RecordingWriter`], [`Collector`], [`write_columns`] | rows into a file or a folder of segments; into memory; columns into a file |
+//! | [`RecordingWriter`], [`Collector`], [`write_columns`], [`write_table`] | rows into a file or a folder of segments; into memory; columns into a file |
 //! | [`ThinnedRecording`] | a file of any length, for pictures |
 //! | [`Recorder`], [`recover`], [`journal_of`], [`so_far`] | a writer in a thread of its own; what a journal has kept; its name; a folder that is continued |
 //! | [`RecordingLayout`], [`RecordingRow`] | what a recording's rows consist of |
 //! | [`wind`] | columns of the wind estimate |
+//! | [`head_mounting`] | compass direction and tilt of a head: east, north and up |
 //! | [`utc`] | moments in UTC |
 //! | [`Temporary`] | a file that appears under its name when it is complete |
 //! | [`regular`] | opening files that are neither pipes nor devices |
@@ -69,6 +70,7 @@ mod dialect;
 mod error;
 mod file_format;
 mod format1;
+pub mod head_mounting;
 mod names;
 #[cfg(feature = "parquet")]
 mod parquet;
@@ -103,7 +105,7 @@ pub use temporary::Temporary;
 pub use thinned::{MOST_ROWS, ThinnedRecording};
 pub use writer::{
     Recorder, RecordingSoFar, RecordingWriter, Recovered, SegmentLength, SegmentLengthError, WriterOptions,
-    is_being_written, recover, so_far, write_columns,
+    is_being_written, recover, so_far, write_columns, write_table,
 };
 
 #[cfg(all(test, feature = "parquet"))]

@@ -25,6 +25,8 @@ pub struct RecordingLayout {
     pub estimates: Vec<String>,
     /// Whether the rows carry a wind by several instruments, in place of such estimates.
     pub combined_wind: bool,
+    /// Whether the wind of the head is followed by that of the earth, [`wind::EARTH`].
+    pub earth_wind: bool,
 }
 
 /// One tick.
@@ -97,10 +99,14 @@ impl RecordingLayout {
 
     /// Names of the columns of the wind.
     fn wind_columns(&self) -> Vec<String> {
-        match self.combined_wind {
+        let mut columns = match self.combined_wind {
             true => wind::COMBINED.map(str::to_owned).to_vec(),
             false => wind::columns(&self.estimates),
+        };
+        if self.earth_wind {
+            columns.extend(wind::EARTH.map(str::to_owned));
         }
+        columns
     }
 
     /// Refuses elements that the rows cannot carry.

@@ -14,6 +14,7 @@ fn layout(wind: bool) -> RecordingLayout {
         observed: Vec::new(),
         estimates: Vec::new(),
         combined_wind: false,
+        earth_wind: false,
     }
 }
 
@@ -150,6 +151,7 @@ fn names_that_cannot_be_written_are_refused_at_once() {
         observed: Vec::new(),
         estimates: Vec::new(),
         combined_wind: false,
+        earth_wind: false,
     };
     assert!(create(&folder.path().join("a.csv"), twins).contains("two columns would be named `temperature_c_core`"));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
@@ -380,6 +382,7 @@ fn a_recording_of_format_1_is_read_with_the_names_of_today() {
             true_wind: true,
             estimates: ["sector1", "sector2", "sector3", "sector4"].map(str::to_owned).to_vec(),
             combined_wind: false,
+            earth_wind: false,
             ..RecordingLayout::default()
         };
         let today = layout.columns();

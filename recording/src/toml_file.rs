@@ -9,7 +9,8 @@
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-use serde::de::DeserializeOwned;
+use serde::de::{DeserializeOwned, Error as _};
+use serde::{Deserialize, Deserializer};
 use toml::de::{DeTable, DeValue};
 
 use crate::text::{one_line, suggest};
@@ -130,6 +131,26 @@ impl TomlSource {
     }
 }
 
+/// For `deserialize_with`: a list of exactly N. Serde alone leaves out what a longer one has more.
+///
+/// # Errors
+/// If it has another length.
+pub fn exactly<'de, D: Deserializer<'de>, T: Deserialize<'de>, const N: usize>(from: D) -> Result<[T; N], D::Error> {
+    let list = Vec::<T>::deserialize(from)?;
+    let count = list.len();
+    list.try_into().map_err(|_| D::Error::invalid_length(count, &format!("a list of {N}").as_str()))
+}
+
+/// The same of a key that may be missing.
+///
+/// # Errors
+/// If it has another length.
+pub fn exactly_if_any<'de, D: Deserializer<'de>, T: Deserialize<'de>, const N: usize>(
+    from: D,
+) -> Result<Option<[T; N]>, D::Error> {
+    exactly(from).map(Some)
+}
+
 /// Puts serde's message into the words of someone who writes a file, not a deserialiser.
 fn reword(message: &str, key: Option<&str>) -> String {
     let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
@@ -189,6 +210,8 @@ mod tests {
         duration_s: f64,
         #[serde(default)]
         wind: Vec<ExampleWind>,
+        #[serde(default, deserialize_with = "exactly_if_any")]
+        shares: Option<[f64; 2]>,
     }
 
     #[derive(Debug, Deserialize)]

@@ -11,6 +11,8 @@
 //! | `conductance_w_k_<element>` | conductance to the gas, without conduction into the structure | W/K |
 //! | `raw_w_k_<element>` | power over overheat | W/K |
 //! | `quality_flags` | sum of the bits below; 0 for an estimate as good as its uncertainties | |
+//! | `wind_from_deg` | direction from which it blows, clockwise from north, of a head with a heading | ° |
+//! | `wind_up_m_s` | vertical wind, of such a head | m/s |
 //!
 //! | bit | flag | bit | flag |
 //! |---|---|---|---|
@@ -42,6 +44,12 @@ pub const DIRECTION_UNCERTAINTY: &str = "wind_direction_u_deg";
 pub const ESTIMATED_GAS: &str = "wind_gas_temperature_c";
 /// Quality flags, a sum of bits.
 pub const QUALITY_FLAGS: &str = "quality_flags";
+/// Direction from which the wind blows, clockwise from north.
+pub const WIND_FROM: &str = "wind_from_deg";
+/// Vertical wind.
+pub const WIND_UP: &str = "wind_up_m_s";
+/// Columns of the wind on the earth, by a head whose mounting is known.
+pub const EARTH: [&str; 2] = [WIND_FROM, WIND_UP];
 /// Key of the metadata: the normal of the plane in which all winds are, three numbers.
 pub const PLANE_NORMAL: &str = "wind_plane_normal";
 const CHI_SQUARE: &str = "wind_chi_square";

@@ -19,6 +19,7 @@ use super::surfaces::readings::{DrawnSurfaces, LossLaw};
 use super::surfaces::solve::calibrate;
 use super::uncertainty::uncertainty;
 use crate::gas::Species;
+use crate::head::calibration::conditions::CalibrationConditions;
 use crate::head::calibration::table::{CalibrationTable, SurfaceTable, UncertaintyTable};
 use crate::head::file::Head;
 use crate::network::parameters::QuiescentNetwork;
@@ -199,9 +200,13 @@ impl<'a> Calibrator<'a> {
         let ObservedHead { head, network, reference, species, quiescent, .. } = &self.observed;
         let new = CalibrationTable {
             made_from: format!("{winds} of {recordings}; cross-validated: {}", overall.in_words()),
+            made_on: None,
+            version: None,
+            former: None,
             species: *species,
             reference_gas_c: quiescent.gas_temperature_c,
             support_c: (!self.is_by_table).then_some(quiescent.support_temperature_c),
+            conditions: CalibrationConditions::of(steady.iter().map(SteadyWind::conditions)),
             form,
             diameter_m,
             direction_error_max_deg,

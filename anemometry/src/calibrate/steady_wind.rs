@@ -3,7 +3,7 @@
 use dr_core::wind::GasState;
 
 use super::error::CalibrateError;
-use crate::gas::IdealGas;
+use crate::gas::{IdealGas, ZERO_CELSIUS_K};
 
 /// One steady wind.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,6 +32,12 @@ pub struct SurfaceReading {
 }
 
 impl SteadyWind {
+    /// Gas temperature, °C, pressure, Pa, and temperatures of the surfaces, °C.
+    pub(super) fn conditions(&self) -> (f64, f64, Vec<f64>) {
+        let gas_c = self.gas.temperature_k - ZERO_CELSIUS_K;
+        (gas_c, self.gas.pressure_pa, self.surfaces.iter().map(|of| gas_c + of.overheat_k).collect())
+    }
+
     /// Mean overheat of the surfaces, K.
     pub(super) fn overheat_k(&self) -> f64 {
         self.surfaces.iter().map(|of| of.overheat_k).sum::<f64>() / self.surfaces.len() as f64

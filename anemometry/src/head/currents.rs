@@ -25,20 +25,30 @@ impl Head {
         for (place, error) in errors.iter().enumerate().rev() {
             if let (Some(error), Some(element)) = (error, self.elements.get(place)) {
                 let high_a = decimal(element.config.channel.current_a(Level::High));
-                let keys = [
-                    ("current_high_a", rounded(error.corrected_a(high_a))),
-                    ("current_high_nominal_a", rounded(element.nominal.current_high_a)),
-                ];
-                source.text = with_keys(&source.text, place, &keys, &comment(error));
+                let (corrected_a, nominal_a) = (error.corrected_a(high_a), element.nominal.current_high_a);
+                let keys = [("current_high_a", rounded(corrected_a)), ("current_high_nominal_a", rounded(nominal_a))];
+                let before_ppm = 1e6 * (high_a / nominal_a - 1.0);
+                source.text = with_keys(&source.text, place, &keys, &comment(error, before_ppm));
             }
         }
         Head::from_source(source)
     }
 }
 
-fn comment(error: &CurrentRatioError) -> String {
+/// What was measured; where an earlier measurement is in the file already, that of both, as the
+/// number beside it is.
+fn comment(error: &CurrentRatioError, before_ppm: f64) -> String {
     let CurrentRatioError { error_ppm, error_u_ppm, .. } = error;
-    format!("  # measured: {error_ppm:+.1} ppm of the ratio high/low, standard uncertainty {error_u_ppm:.1} ppm")
+    // An f32 has its current to a tenth of a ppm.
+    if before_ppm.abs() < 0.2 {
+        return format!(
+            "  # measured: {error_ppm:+.1} ppm of the ratio high/low, standard uncertainty {error_u_ppm:.1} ppm"
+        );
+    }
+    let both_ppm = 1e6 * ((1.0 + 1e-6 * before_ppm) * (1.0 + 1e-6 * error_ppm) - 1.0);
+    format!(
+        "  # measured: {both_ppm:+.1} ppm of the ratio high/low, standard uncertainty {error_u_ppm:.1} ppm; {before_ppm:+.1} ppm before, {error_ppm:+.1} ppm since"
+    )
 }
 
 /// The number that a file had: of an f32 the shortest decimal.
@@ -130,6 +140,9 @@ mod tests {
         let (measured, nominal) = high_a(&twice, 5);
         assert!((measured / (0.016 * 1.001 * 1.001) - 1.0).abs() < 2e-7 && nominal == 0.016, "{measured}");
         assert_eq!(once.source.text.lines().count(), twice.source.text.lines().count());
+        let said =
+            "+2001.0 ppm of the ratio high/low, standard uncertainty 0.8 ppm; +1000.0 ppm before, +1000.0 ppm since\n";
+        assert!(twice.source.text.contains(said), "{}", twice.source.text);
     }
 
     #[test]

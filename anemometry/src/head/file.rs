@@ -10,6 +10,7 @@ use super::calibration::checked::Calibration;
 use super::element::{HeadAdc, HeadElement, element};
 use super::error::CurrentsError;
 use super::table::{GuardTable, HeadTable};
+use recording::head_mounting::HeadMounting;
 use recording::text::suggest;
 use recording::toml_file::{FileError, TomlSource};
 
@@ -27,6 +28,8 @@ pub struct Head {
     /// Compass direction in which its x axis points where it is mounted, degrees clockwise from
     /// north.
     pub heading_deg: Option<f64>,
+    /// What points up in its frame where it is mounted; by default the z axis.
+    pub up: Option<[f64; 3]>,
     /// Voltage of one code, V.
     pub volt_per_code: f64,
     /// Voltage of the highest code, V.
@@ -56,9 +59,8 @@ impl Head {
     /// As [`Head::read`].
     pub fn from_source(source: TomlSource) -> Result<Self, FileError> {
         let table: HeadTable = source.parse()?;
-        if let Some(heading_deg) = table.heading_deg {
-            source.within("heading_deg", heading_deg, 0.0..=360.0, "°")?;
-        }
+        HeadMounting::new(table.heading_deg.unwrap_or(0.0), table.up)
+            .map_err(|error| source.refuse(error.key, error.sentence))?;
         let full_scale_v = source.positive("adc.full_scale_v", table.adc.full_scale_v, "V")?;
         source.within("adc.bits", f64::from(table.adc.bits), 8.0..=24.0, "bit")?;
         let half_range = f64::from(1_u32 << (table.adc.bits - 1));
@@ -104,6 +106,7 @@ impl Head {
             name: table.name,
             sensor: table.sensor,
             heading_deg: table.heading_deg,
+            up: table.up,
             body,
             volt_per_code: adc.volt_per_code,
             full_scale_v,
@@ -113,6 +116,12 @@ impl Head {
             elements,
             source,
         })
+    }
+
+    /// Its frame on the earth; its x axis points north where no heading is given.
+    pub fn mounting_or_north(&self) -> HeadMounting {
+        // Both were found right when the file was read; an option that replaces them was, too.
+        HeadMounting::new(self.heading_deg.unwrap_or(0.0), self.up).unwrap_or_default()
     }
 
     /// Kinds of its elements.

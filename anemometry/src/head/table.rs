@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use recording::toml_file::exactly_if_any;
 use serde::Deserialize;
 
 use super::body::table::BodyTable;
@@ -14,6 +15,8 @@ pub(super) struct HeadTable {
     pub name: String,
     pub sensor: Option<String>,
     pub heading_deg: Option<f64>,
+    #[serde(default, deserialize_with = "exactly_if_any")]
+    pub up: Option<[f64; 3]>,
     pub adc: AdcTable,
     pub guard: GuardTable,
     /// Any word may be a kind.
@@ -52,6 +55,7 @@ pub struct GuardTable {
 pub(super) struct ElementTable {
     pub name: Option<String>,
     pub kind: Option<String>,
+    #[serde(default, deserialize_with = "exactly_if_any")]
     pub normal: Option<[f64; 3]>,
     pub platinum: Option<PlatinumKind>,
     pub current_low_a: Option<f64>,

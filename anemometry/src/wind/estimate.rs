@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use diffusive::model::{Conditions, SAME_TEMPERATURE_K};
+use diffusive::model::Conditions;
 use dr_core::wind::QualityFlags;
 use recording::text::tidy;
 use wire::WindSample;
@@ -111,7 +111,10 @@ impl<'a> WindEstimation<'a> {
         let given = (options.pressure_pa, options.gas_temperature.as_deref());
         let gas = GasInput::new(given, head, calibration, recording, &replay)?;
         let mut warnings = gas.warnings.clone();
-        warnings.extend(moved_support(calibration, replay.conditions.as_ref()));
+        if let Some(conditions) = &replay.conditions {
+            let of = Conditions { pressure_pa: gas.pressure_pa(), ..conditions.clone() };
+            warnings.extend(calibration.differences(&of, gas.constant_c().map(|gas_c| [gas_c; 2]), None));
+        }
         if let Some(winds) = winds {
             warnings.extend(winds.compare_labels(recording)?);
         }
@@ -272,19 +275,6 @@ impl<'a> WindEstimation<'a> {
     }
 }
 
-/// That the support is at another temperature, for a head that takes its heat for wind.
-fn moved_support(calibration: &Calibration, conditions: Option<&Conditions>) -> Option<String> {
-    let (was_c, is_c) = (calibration.table.support_c?, conditions?.support_temperature_c);
-    ((is_c - was_c).abs() > SAME_TEMPERATURE_K && !calibration.network.has_cores()).then(|| {
-        format!(
-            "the support is at {} °C, and was at {} °C when the network was identified: this head has no element without a surface that \
-             would find its heat, and takes it for wind",
-            tidy(is_c),
-            tidy(was_c)
-        )
-    })
-}
-
 /// Elements of the network without a surface.
 fn cores(calibration: &Calibration) -> Vec<UnknownHeat> {
     let cores = calibration.network.own.iter().filter(|own| own.surface.is_none());
@@ -312,30 +302,4 @@ fn output(options: &WindOptions, period_s: f64) -> Result<WindOutput, WindError>
     let interval_s = ticks.round().max(1.0) * period_s;
     output.interval_s = format!("{interval_s:.11e}").parse().unwrap_or(interval_s);
     Ok(output)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_support_that_moved_is_named_for_a_head_without_cores() {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/fixtures/sphere-b-calibrated.toml");
-        let mut calibration = Head::read(&path).unwrap().calibration.unwrap();
-        let at = |support_temperature_c: f64| Conditions {
-            species: "co2".to_owned(),
-            pressure_pa: 1000.0,
-            gas_temperature_c: -53.15,
-            support_temperature_c,
-        };
-        // Made before heads said it.
-        assert_eq!(moved_support(&calibration, Some(&at(0.0))), None);
-        calibration.table.support_c = Some(-43.15);
-        assert_eq!(moved_support(&calibration, Some(&at(0.0))), None);
-        calibration.network.own.retain(|own| own.surface.is_some());
-        assert_eq!(moved_support(&calibration, None), None);
-        assert_eq!(moved_support(&calibration, Some(&at(-43.0))), None);
-        let warning = moved_support(&calibration, Some(&at(-33.15))).unwrap();
-        assert!(warning.starts_with("the support is at -33.15 °C, and was at -43.15 °C when"), "{warning}");
-    }
 }

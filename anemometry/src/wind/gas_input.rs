@@ -144,6 +144,11 @@ impl GasInput {
         anemometer.gas(self.pressure_pa as f32, now)
     }
 
+    /// Its pressure, Pa.
+    pub fn pressure_pa(&self) -> f64 {
+        self.pressure_pa
+    }
+
     /// Metadata of a file of wind estimates.
     pub fn metadata(&self) -> Metadata {
         let (key, value) = match self.constant_c() {
@@ -155,7 +160,8 @@ impl GasInput {
         pairs.map(|(key, value)| (key.to_owned(), value)).into()
     }
 
-    fn constant_c(&self) -> Option<f64> {
+    /// Its temperature, where it is one number, °C.
+    pub fn constant_c(&self) -> Option<f64> {
         if let TemperatureSource::Constant(celsius) = self.temperature { Some(celsius) } else { None }
     }
 

@@ -38,6 +38,7 @@
 //! swings by its mean. Drives are judged by its whole range.
 
 mod checked;
+mod differences;
 mod drives;
 mod grid;
 mod held;

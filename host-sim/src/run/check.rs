@@ -32,6 +32,8 @@ pub struct CheckReport<'a> {
     #[serde(flatten)]
     judgement: SetPointJudgement,
     models: Option<&'a str>,
+    /// What is otherwise than in the head's calibration, and matters.
+    differences: Vec<String>,
     #[serde(skip)]
     experiment: &'a Experiment,
 }
@@ -74,6 +76,7 @@ impl<'a> CheckReport<'a> {
             support_swing: experiment.support_swing,
             winds: experiment.wind.len(),
             judgement,
+            differences: experiment.differences(),
             models: experiment.models.as_ref().map(|models| models.conditions.as_str()),
             experiment,
         }
@@ -155,6 +158,9 @@ impl fmt::Display for CheckReport<'_> {
         f.write_str(&left_out(experiment.wind.len()))?;
         for fault in &experiment.faults {
             writeln!(f, "from {:>6} s  {} breaks: {:?}", fault.start_s, names[fault.element], fault.fault)?;
+        }
+        for difference in &self.differences {
+            writeln!(f, "\nwarning: {difference}")?;
         }
         let conditions = self.models.unwrap_or_default();
         match (judged, unjudged) {

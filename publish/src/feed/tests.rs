@@ -80,14 +80,3 @@ fn a_reader_that_waits_wakes_and_one_that_sleeps_holds_nobody_up() {
         assert!(start.elapsed() < Duration::from_secs(5));
     });
 }
-
-#[test]
-fn a_wind_comes_from_where_the_compass_says() {
-    // Towards the head's x, which points north: a south wind.
-    assert_eq!(from_deg([1.0, 0.0], 0.0), 180.0);
-    // Towards y, a quarter turn to the left of north, which is west: an east wind.
-    assert!((from_deg([0.0, 1.0], 0.0) - 90.0).abs() < 1e-12);
-    // The head is turned so that x points east: towards x is a west wind.
-    assert!((from_deg([1.0, 0.0], 90.0) - 270.0).abs() < 1e-12);
-    assert_eq!(from_deg([-1.0, 1e-18], 0.0), 0.0, "never 360");
-}

@@ -3,11 +3,11 @@
 //!
 //! Columns of text are codes from 0 on with `flag_values` and `flag_meanings`.
 
-use super::table::{ConvertedColumn, ConvertedTable, FormError, WIND_FROM, unit};
+use super::table::{ConvertedColumn, ConvertedTable, FormError, unit};
 use dr_core::wind::QualityFlags;
 use netcdf3::{DataSet, DataType, FileWriter, InvalidDataSet, NC_FILL_F64, Version, WriteError};
 use recording::GAS_TEMPERATURE;
-use recording::wind::{ESTIMATED_GAS, QUALITY_FLAGS, WIND_SPEED};
+use recording::wind::{ESTIMATED_GAS, QUALITY_FLAGS, WIND_FROM, WIND_SPEED};
 use std::fs::File;
 use std::io;
 

@@ -1,7 +1,7 @@
 //! What is common to all forms: the columns with their units, the start, the direction.
 
-use crate::feed::from_deg;
-use recording::wind::WIND_ESTIMATE;
+use recording::head_mounting::{HeadMounting, MountingError};
+use recording::wind::{WIND_ESTIMATE, WIND_FROM};
 use recording::{ColumnValues, ColumnWords, Recording, RecordingError, TIME};
 use std::borrow::Cow;
 use std::io;
@@ -16,6 +16,8 @@ pub struct ConvertOptions {
     pub start_utc: Option<String>,
     /// Where the head's x axis points, degrees clockwise from north, in place of its `heading_deg`.
     pub heading_deg: Option<f64>,
+    /// What points up in the head's frame, in place of its `up`.
+    pub up: Option<[f64; 3]>,
 }
 
 /// Why a recording was not converted.
@@ -33,9 +35,9 @@ pub enum ConvertError {
     /// This is no moment.
     #[error("`{0}` is no moment as in 2026-03-01T12:00:00Z")]
     Start(String),
-    /// It is no direction.
-    #[error("a heading lies between 0 and 360 degrees, {0} does not")]
-    Heading(f64),
+    /// The head cannot be mounted like this.
+    #[error(transparent)]
+    Mounting(#[from] MountingError),
     /// The form has no place for this.
     #[error("{}: {sentence}", path.display())]
     Unfit {
@@ -88,16 +90,16 @@ impl<'a> ConvertedTable<'a> {
         let parsed =
             |text: &str| OffsetDateTime::parse(text, &Rfc3339).map_err(|_| ConvertError::Start(text.to_owned()));
         let start_utc = start_utc.map(parsed).transpose()?.map(|start| start.to_offset(time::UtcOffset::UTC));
-        let heading_deg = options.heading_deg.or_else(|| said("heading_deg")?.parse().ok());
-        if let Some(heading_deg) = heading_deg.filter(|heading_deg| !(0.0..=360.0).contains(heading_deg)) {
-            return Err(ConvertError::Heading(heading_deg));
-        }
+        let mounting = HeadMounting::from_metadata(&recording.metadata, options.heading_deg, options.up)?;
         let others = recording.columns.iter().filter(|column| column.name != recording.time_name());
         let mut columns: Vec<_> =
             others.map(|column| (column.name.as_str(), ConvertedColumn::new(&column.values))).collect();
-        let [x, y, _] = WIND_ESTIMATE;
-        if let (Some(heading_deg), Ok(x), Ok(y)) = (heading_deg, recording.numbers(x), recording.numbers(y)) {
-            let from = x.iter().zip(y).map(|(&x, &y)| from_deg([x, y], heading_deg)).collect();
+        let [x, y, z] = WIND_ESTIMATE.map(|axis| recording.numbers(axis).ok());
+        if let (Some(mounting), Some(x), Some(y)) = (mounting, x, y) {
+            // A table of winds in the plane has no z.
+            let z = |row: usize| z.map_or(0.0, |z| z[row]);
+            let from = (0..x.len()).map(|row| mounting.from_deg([x[row], y[row], z(row)])).collect();
+            columns.retain(|(name, _)| *name != WIND_FROM);
             columns.push((WIND_FROM, ConvertedColumn::Numbers(from)));
         }
         let (title, head) = (said("title").unwrap_or(""), said("head_name").unwrap_or(""));
@@ -118,8 +120,6 @@ impl<'a> ConvertedColumn<'a> {
         }
     }
 }
-
-pub(super) const WIND_FROM: &str = "wind_from_deg";
 
 /// The unit of a column, in the words of UDUNITS; none for one of others.
 pub(super) fn unit(column: &str) -> &'static str {

@@ -27,7 +27,7 @@ fn recording() -> Recording {
 }
 
 fn north() -> ConvertOptions {
-    ConvertOptions { heading_deg: Some(0.0), start_utc: None }
+    ConvertOptions { heading_deg: Some(0.0), ..ConvertOptions::default() }
 }
 
 #[test]
@@ -64,10 +64,10 @@ fn what_is_not_known_is_asked_for_and_nothing_is_left_behind() -> Result<(), Box
         sentence(&without, &north(), &path),
         "winds.parquet: does not say when it started: `--start 2026-03-01T12:00:00Z` does"
     );
-    let noon = ConvertOptions { start_utc: Some("noon".to_owned()), heading_deg: None };
+    let noon = ConvertOptions { start_utc: Some("noon".to_owned()), ..ConvertOptions::default() };
     assert!(sentence(&without, &noon, &path).starts_with("`noon` is no moment"));
-    let turned = ConvertOptions { heading_deg: Some(361.0), start_utc: None };
-    assert!(sentence(&recording(), &turned, &path).contains("361 does not"));
+    let turned = ConvertOptions { heading_deg: Some(361.0), ..ConvertOptions::default() };
+    assert!(sentence(&recording(), &turned, &path).contains("`heading_deg` is 361 °"));
     assert!(sentence(&recording(), &north(), &folder.path().join("winds.xls")).contains(".nc (NetCDF)"));
     let mut foreign = recording();
     foreign.columns[1].name = "T1 (°C)".to_owned();

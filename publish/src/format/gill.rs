@@ -9,7 +9,7 @@
 //! M is m/s, CC the exclusive or of all between `<STX>` and `<ETX>`. Status 00 is good, 04 (`sample
 //! failure`) anything else: then the numbers are empty.
 
-use super::{horizontal_m_s, rounded_deg, xor};
+use super::{rounded_deg, xor};
 use crate::feed::FeedWind;
 
 /// Speed and direction, with CR LF. The direction alone is empty where there is none, as Gill's are
@@ -22,7 +22,7 @@ pub fn polar(wind: &FeedWind) -> String {
         true => format!("{:03.0}", rounded_deg(wind.from_deg, 0)),
         false => String::new(),
     };
-    framed(&format!("A,{direction},{:06.2},M,00,", horizontal_m_s(wind)))
+    framed(&format!("A,{direction},{:06.2},M,00,", wind.horizontal_m_s))
 }
 
 /// The two components, with CR LF.
@@ -31,7 +31,7 @@ pub fn uv(wind: &FeedWind) -> String {
         return framed("A,,,M,04,");
     }
     let (sin, cos) = wind.from_deg.to_radians().sin_cos();
-    let speed_m_s = horizontal_m_s(wind);
+    let speed_m_s = wind.horizontal_m_s;
     // There is no −0: added to zero, it is +0.
     let rounded = |number: f64| (number * 100.0).round() / 100.0 + 0.0;
     framed(&format!("A,{:+07.2},{:+07.2},M,00,", rounded(-speed_m_s * cos), rounded(speed_m_s * sin)))

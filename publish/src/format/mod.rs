@@ -10,17 +10,9 @@ mod numbers;
 
 pub use numbers::FeedColumns;
 
-use crate::feed::FeedWind;
-
 /// Bytes combined by exclusive or, as NMEA 0183 and Gill's strings check themselves.
 fn xor(text: &str) -> u8 {
     text.bytes().fold(0, |sum, byte| sum ^ byte)
-}
-
-/// Horizontal speed, m/s.
-fn horizontal_m_s(wind: &FeedWind) -> f64 {
-    let [x, y, _] = wind.estimate.wind_m_s.map(f64::from);
-    x.hypot(y)
 }
 
 /// A direction rounded to `digits` behind the point: below 360 after rounding, too.
@@ -33,6 +25,7 @@ fn rounded_deg(from_deg: f64, digits: i32) -> f64 {
 pub(crate) mod examples {
     use crate::feed::{FeedLayout, FeedRow, FeedWind};
     use dr_core::wind::QualityFlags;
+    use recording::head_mounting::HeadMounting;
     use std::time::{Duration, SystemTime};
 
     /// 2026-11-23 12:00:00.25 UTC.
@@ -70,7 +63,7 @@ pub(crate) mod examples {
             conductance_w_k: [0.001].into_iter().collect(),
             raw_w_k: [0.002].into_iter().collect(),
         };
-        FeedWind::new(estimate, 0.0)
+        FeedWind::new(estimate, &HeadMounting::default())
     }
 
     /// A row of [`layout`]; the reading of the core is missing.

@@ -4,14 +4,14 @@
 //! blows, R as it is measured (relative to the mark that the instrument's mounting points north),
 //! speed, M for m/s, A for valid, and after the star the exclusive or of all between `$` and `*`.
 
-use super::{horizontal_m_s, rounded_deg, xor};
+use super::{rounded_deg, xor};
 use crate::feed::FeedWind;
 
 /// One sentence with its CR LF. Of a wind that is not valid, or has no direction, the fields are
 /// empty and the flag is V, so that no reader takes a number of it.
 pub fn mwv(wind: &FeedWind) -> String {
     let fields = if wind.has_direction() {
-        format!("{:05.1},R,{:06.2},M,A", rounded_deg(wind.from_deg, 1), horizontal_m_s(wind))
+        format!("{:05.1},R,{:06.2},M,A", rounded_deg(wind.from_deg, 1), wind.horizontal_m_s)
     } else {
         ",R,,M,V".to_owned()
     };

@@ -3,9 +3,6 @@
 use crate::feed::{FeedLayout, FeedRow};
 use recording::{EQUIVALENT_POWER, GAS_TEMPERATURE, POWER, TEMPERATURE, TRUE_WIND, column_name, wind};
 
-/// Direction from which the wind blows, degrees clockwise from north.
-const WIND_FROM: &str = "wind_from_deg";
-
 /// Names of a row's numbers, made once for all rows.
 #[derive(Debug, Clone)]
 pub struct FeedColumns {
@@ -25,7 +22,7 @@ impl FeedColumns {
         names.extend(TRUE_WIND.map(str::to_owned));
         names.push(GAS_TEMPERATURE.to_owned());
         names.extend(wind::columns(&layout.surfaces));
-        names.push(WIND_FROM.to_owned());
+        names.push(wind::WIND_FROM.to_owned());
         Self { names, surfaces: layout.surfaces.len() }
     }
 

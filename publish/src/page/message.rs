@@ -9,7 +9,7 @@ use super::channels::PageChannel;
 use super::spectrum::NoiseSpectrum;
 use super::state::PageState;
 use super::window::Bucket;
-use crate::feed::{FeedWind, from_deg};
+use crate::feed::FeedWind;
 
 /// Named as the page names it.
 pub fn event(name: &str, data: &impl Serialize) -> String {
@@ -111,7 +111,7 @@ impl<'a> RowsMessage<'a> {
                 speed_u_m_s: wind.estimate.speed_error_m_s,
                 from_deg: has_direction(wind),
             }),
-            true_from_deg: row.true_wind_m_s.map(|[x, y, _]| from_deg([x, y], state.layout.heading_deg)),
+            true_from_deg: row.true_wind_m_s.map(|wind_m_s| state.layout.mounting.from_deg(wind_m_s)),
             buckets: state.windows[window].since(id).map(message).collect(),
         })
     }

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::channels::{PageChannel, channels, values};
 use super::window::{Bucket, DecimatedWindow};
-use crate::feed::{FeedEvent, FeedEventKind, FeedItem, FeedLayout, FeedRow, FeedWind, from_deg};
+use crate::feed::{FeedEvent, FeedEventKind, FeedItem, FeedLayout, FeedRow, FeedWind};
 
 /// Lengths of the windows that a page can show, s.
 pub const WINDOWS_S: [f64; 4] = [10.0, 60.0, 600.0, 3600.0];
@@ -183,9 +183,9 @@ impl PageState {
     pub fn bucket_from_deg(&self, bucket: &Bucket) -> Option<f64> {
         let x = self.channels.iter().position(|channel| channel.quantity == "wind_x_m_s")?;
         let mean = bucket.mean();
-        let towards = [x, x + 1].map(|axis| f64::from(mean[axis]));
+        let towards = [x, x + 1, x + 2].map(|axis| f64::from(mean[axis]));
         // A vector of no length, or of none, has no direction.
-        (towards[0].hypot(towards[1]) > 0.0).then(|| from_deg(towards, self.layout.heading_deg))
+        (towards[0].hypot(towards[1]) > 0.0).then(|| self.layout.mounting.from_deg(towards))
     }
 
     /// The samples of a channel since the last gap, evenly spaced.

@@ -184,7 +184,7 @@ fn row(time_s: f64) -> FeedRow {
         equivalent_power_w: vec![],
         heaters: 1,
         state: "running".into(),
-        wind: Some(FeedWind::new(estimate, 0.0)),
+        wind: Some(FeedWind::new(estimate, &recording::head_mounting::HeadMounting::default())),
         true_wind_m_s: None,
         gas_temperature_c: None,
     }

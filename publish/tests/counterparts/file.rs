@@ -14,7 +14,7 @@ fn converted(folder: &tempfile::TempDir, extension: &str) -> Result<PathBuf, Box
         "# title: gusts\n# start_utc: 2026-02-28T23:59:59.5Z\ntime_s,power_w_core,state,wind_x_m_s,wind_y_m_s,wind_z_m_s,wind_speed_m_s,quality_flags\n0,0.125,standby,2,0,0,2,0\n0.5,,running,0,2,0,2,257\n",
     )?;
     let path = folder.path().join(format!("winds.{extension}"));
-    convert(&Recording::read(&csv)?, &ConvertOptions { heading_deg: Some(90.0), start_utc: None }, &path)?;
+    convert(&Recording::read(&csv)?, &ConvertOptions { heading_deg: Some(90.0), ..ConvertOptions::default() }, &path)?;
     Ok(path)
 }
 

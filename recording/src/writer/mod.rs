@@ -391,12 +391,28 @@ pub fn write_columns(
     columns: &[(&str, &[f64])],
     metadata: &Metadata,
 ) -> Result<(), RecordingError> {
+    let rows = columns.iter().map(|(_, values)| values.len()).min().unwrap_or(0);
+    let time_s: Vec<f64> = (0..rows).map(|n| n as f64 * sample_period_s).collect();
+    write_table(path, &time_s, columns, metadata)
+}
+
+/// The same with times of its own.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write_table(
+    path: &Path,
+    time_s: &[f64],
+    columns: &[(&str, &[f64])],
+    metadata: &Metadata,
+) -> Result<(), RecordingError> {
     let names = std::iter::once(TIME).chain(columns.iter().map(|(name, _)| *name));
     let named: Vec<(String, ColumnKind)> = names.map(|name| (name.to_owned(), ColumnKind::Wide)).collect();
     let mut table = TableWriter::create(path, &named, metadata)?;
-    for n in 0..columns.iter().map(|(_, values)| values.len()).min().unwrap_or(0) {
+    let rows = columns.iter().map(|(_, values)| values.len()).min().unwrap_or(0);
+    for (n, time_s) in time_s.iter().enumerate().take(rows) {
         let values = columns.iter().map(|(_, values)| values[n]);
-        table.push(&mut std::iter::once(n as f64 * sample_period_s).chain(values).map(RowCell::Number))?;
+        table.push(&mut std::iter::once(*time_s).chain(values).map(RowCell::Number))?;
     }
     table.finish(&Metadata::new())
 }

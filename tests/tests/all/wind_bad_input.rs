@@ -182,6 +182,7 @@ fn rewritten(desk: &Desk, name: &str, column: &str, from_s: f64, moved_s: &dyn F
         observed: Vec::new(),
         estimates: Vec::new(),
         combined_wind: false,
+        earth_wind: false,
     };
     let columns = |prefix: &str| elements.iter().map(|element| of(prefix, element)).collect::<Vec<_>>();
     let (temperature, power, heater) = (columns("temperature_c_"), columns("power_w_"), columns("heater_"));

@@ -11,8 +11,9 @@ use dr_core::wind::card_inverse::DICE;
 use dr_core::wind::{ConvectionSettings, HeadForm, Nusselt, NusseltSurface};
 
 use super::checked::Calibration;
+use super::conditions::CalibrationConditions;
 use super::keys::CalibrationKeys;
-use super::table::CalibrationTable;
+use super::table::{CalibrationTable, UncertaintyTable};
 use crate::gas::{TEMPERATURE_RANGE_K, ZERO_CELSIUS_K};
 use crate::head::element::HeadElement;
 use recording::toml_file::{FileError, TomlSource};
@@ -170,8 +171,11 @@ impl Calibration {
 
     fn check_curves(&self, keys: CalibrationKeys<'_>) -> Result<(), FileError> {
         let CalibrationTable { nusselt, card, convection, uncertainty, .. } = &self.table;
-        if let Some(Err(error)) = uncertainty.as_ref().map(|of| of.config().checked()) {
-            return Err(keys.refuse("calibration.uncertainty", format!("cannot be used: {error}")));
+        if let Some(of) = uncertainty {
+            check_uncertainty(keys, of)?;
+        }
+        if let Some(key) = self.table.conditions.as_ref().and_then(CalibrationConditions::fault) {
+            return Err(keys.refuse(&format!("calibration.conditions.{key}"), "must be two numbers, the least first"));
         }
         if card.is_some() && (nusselt.is_some() || self.surfaces.len() != DICE) {
             let sentence = "belongs to four dice on a card, which have no [calibration.nusselt]";
@@ -189,6 +193,23 @@ impl Calibration {
     fn knows(&self, element: usize) -> bool {
         self.network.own.iter().any(|own| own.element == element)
     }
+}
+
+/// The board's own limits, in the units of the file.
+fn check_uncertainty(keys: CalibrationKeys<'_>, of: &UncertaintyTable) -> Result<(), FileError> {
+    let lists = [
+        ("conductance_share", &of.conductance_share[..], 0.0..=1.0, ""),
+        ("speed_share", &of.speed_share, 0.0..=1.0, ""),
+        ("direction_deg", &of.direction_deg, 0.0..=180.0, "°"),
+        ("chi_square_most", &[of.chi_square_most], 1.0..=1e9, ""),
+    ];
+    for (key, numbers, range, unit) in lists {
+        for number in numbers {
+            keys.within(&format!("calibration.uncertainty.{key}"), *number, range.clone(), unit)?;
+        }
+    }
+    let board = of.config().checked();
+    board.map(drop).map_err(|error| keys.refuse("calibration.uncertainty", format!("cannot be used: {error}")))
 }
 
 /// Rates and what belongs to them.
@@ -297,6 +318,39 @@ mod tests {
             let sentence = with(heading, key, value);
             assert!(sentence.contains(&format!("`{said}`")), "{key} = {value}: {sentence}");
             assert!(sentence.contains(", line "), "{sentence}");
+        }
+    }
+
+    #[test]
+    fn uncertainties_and_conditions_are_refused_by_key_in_the_units_of_the_file() {
+        let good = "[calibration.uncertainty]\nconductance_share = [0.001, 0.001, 0.001, 0.001]\nspeed_share = [0.01, 0.01, 0.01, 0.01]\n\
+                    direction_deg = [1.0, 1.0, 1.0, 1.0]\nchi_square_most = 6.6\n\
+                    [calibration.conditions]\ngas_c = [20.0, 21.0]\npressure_pa = [1e5, 1e5]\nsurface_c = [50.0, 50.0]\n";
+        let with = |from: &str, to: &str| {
+            let mut source = fixture();
+            assert!(good.contains(from), "{from}");
+            source.text += &good.replacen(from, to, 1);
+            Head::from_source(source)
+        };
+        assert!(with("0.001", "0.002").unwrap().calibration.unwrap().table.conditions.is_some());
+        let refused = |from: &str, to: &str| with(from, to).unwrap_err().to_string();
+        for (from, to, said) in [
+            (
+                "direction_deg = [1.0",
+                "direction_deg = [200.0",
+                "`calibration.uncertainty.direction_deg` is 200 °: it must lie between 0 and 180 °",
+            ),
+            ("speed_share = [0.01", "speed_share = [-0.01", "`calibration.uncertainty.speed_share` is -0.01"),
+            (
+                "direction_deg = [1.0",
+                "direction_deg = [1.0, 1.0",
+                "`direction_deg`: invalid length 5, expected a list of 4",
+            ),
+            ("chi_square_most = 6.6", "chi_square_most = 0.5", "`calibration.uncertainty.chi_square_most` is 0.5"),
+            ("gas_c = [20.0", "gas_c = [22.0", "`calibration.conditions.gas_c` must be two numbers, the least first"),
+        ] {
+            let sentence = refused(from, to);
+            assert!(sentence.contains(said) && sentence.contains(", line "), "{sentence}");
         }
     }
 

@@ -4,7 +4,8 @@
 //!
 //! | table | keys |
 //! |---|---|
-//! | `[calibration]` | `made_from` (in words), `species`, `reference_gas_c` (gas of the quiescent-gas network), `support_c` (its support, if known), `diameter_m`, `direction_error_max_deg`, optionally `reference` (the element that measures the gas) |
+//! | `[calibration]` | `made_from` (in words), `made_on` (day), `version` (1), `former` (what it was before a scale), `species`, `reference_gas_c` (gas of the quiescent-gas network), `support_c` (its support, if known), `diameter_m`, `direction_error_max_deg`, optionally `reference` (the element that measures the gas) |
+//! | `[calibration.conditions]` | least and greatest of its winds: `gas_c`, `pressure_pa`, `surface_c`; `check`, `run` and `wind` compare |
 //! | `[calibration.nusselt]` | `least_reynolds`, `most_reynolds`, `amplitudes` (32 rows of a_0 … a_5); without it the head outputs conductances only |
 //! | `[calibration.card]` | in its place for four dice on a card: `least_reynolds`, `most_reynolds`, `mean` and `difference` (12 values over √Re from 0), `along`, `around`, `seen` (8 harmonics each), `mean_share`, `difference_share`; see [`dr_core::wind::card_inverse`] |
 //! | `[calibration.uncertainty]` | what the calibration adds to the uncertainty of the wind: `conductance_share`, `speed_share`, `direction_deg` (4 each, at Reynolds numbers in geometric progression), `chi_square_most`; without it only the noise counts; see [`dr_core::wind::calibration_uncertainty`] |
@@ -26,12 +27,18 @@
 //! | `keys` | lines of keys, in either spelling |
 //! | `checks` | what is refused |
 //! | [`checked`] | a checked calibration |
+//! | `ageing` | its day, version, and a scale of its speed |
+//! | [`conditions`] | what it was made in |
+//! | `differences` | what follows in other conditions |
 //! | [`commands`] | it as commands of the board's anemometer |
 //! | `new` | a calibration that was just made, on its way to the file |
 
+mod ageing;
 pub mod checked;
 mod checks;
 pub mod commands;
+pub mod conditions;
+mod differences;
 pub(super) mod keys;
 mod new;
 pub mod table;

@@ -6,8 +6,10 @@ use dr_core::wind::card_inverse::{KNOTS as CARD_KNOTS, TERMS};
 use dr_core::wind::free_stream::STEM_KNOTS;
 use dr_core::wind::nusselt::{ORDERS, POINTS};
 use dr_core::wind::{CardConfig, ConvectionConfig, HeadForm, NusseltConfig, RiseConfig, StemConfig, SurfaceConfig};
+use recording::toml_file::exactly;
 use serde::{Deserialize, Serialize};
 
+use super::conditions::CalibrationConditions;
 use crate::gas::Species;
 use crate::network::parameters::{CrossHeatingParameters, SelfHeatingParameters};
 
@@ -17,6 +19,15 @@ use crate::network::parameters::{CrossHeatingParameters, SelfHeatingParameters};
 pub struct CalibrationTable {
     /// Recordings and cross-validation of the calibration, in words.
     pub made_from: String,
+    /// Day of its recordings, as 2026-03-01, where they state it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub made_on: Option<String>,
+    /// Its version; 1 if it does not state one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub version: Option<u32>,
+    /// The calibration that this one was made of by a scale, in words.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub former: Option<String>,
     /// The gas that it holds for.
     pub species: Species,
     /// Temperature of the gas of the quiescent-gas network, °C.
@@ -43,6 +54,9 @@ pub struct CalibrationTable {
     /// How the convection of a sphere is taken.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub convection: Option<ConvectionModelTable>,
+    /// In which gas and at which temperatures it was made; older heads do not state it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub conditions: Option<CalibrationConditions>,
     /// What it adds to the uncertainty of the wind.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<UncertaintyTable>,
@@ -142,10 +156,13 @@ pub struct StemTable {
 pub struct UncertaintyTable {
     /// Misfit of a conductance, as its share, at Reynolds numbers in geometric progression over the
     /// calibration's.
+    #[serde(deserialize_with = "exactly")]
     pub conductance_share: [f64; KNOTS],
     /// Standard uncertainty of the speed, as its share.
+    #[serde(deserialize_with = "exactly")]
     pub speed_share: [f64; KNOTS],
     /// Standard uncertainty of the direction about one axis across it, °.
+    #[serde(deserialize_with = "exactly")]
     pub direction_deg: [f64; KNOTS],
     /// Greatest χ² that the calibration explains.
     pub chi_square_most: f64,
@@ -160,14 +177,19 @@ pub struct CardTable {
     /// Greatest Reynolds number of the winds.
     pub most_reynolds: f64,
     /// At values of √Re evenly from zero to that of the greatest Reynolds number.
+    #[serde(deserialize_with = "exactly")]
     pub mean: [f64; CARD_KNOTS],
     /// D, at the same values.
+    #[serde(deserialize_with = "exactly")]
     pub difference: [f64; CARD_KNOTS],
     /// Of cos nθ in P.
+    #[serde(deserialize_with = "exactly")]
     pub along: [f64; TERMS],
     /// Of sin nθ in Q.
+    #[serde(deserialize_with = "exactly")]
     pub around: [f64; TERMS],
     /// Of cos nθ in E.
+    #[serde(deserialize_with = "exactly")]
     pub seen: [f64; TERMS],
     /// Standard error of M, as a share of what the wind adds to it.
     pub mean_share: f64,
@@ -182,14 +204,18 @@ pub struct SurfaceTable {
     /// Name of its element.
     pub element: String,
     /// Outward, in the tunnel's frame.
+    #[serde(deserialize_with = "exactly")]
     pub axis: [f64; 3],
     /// Towards a corner.
+    #[serde(deserialize_with = "exactly")]
     pub corner: [f64; 3],
     /// Area, m².
     pub area_m2: f64,
     /// Means of the Legendre polynomials over the surface, from the first order on.
+    #[serde(deserialize_with = "exactly")]
     pub means: [f64; 5],
     /// Their threefold parts, from the third order on.
+    #[serde(deserialize_with = "exactly")]
     pub threefold: [f64; 3],
     /// Factor of its convective loss.
     pub gain: f64,

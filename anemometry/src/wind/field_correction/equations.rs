@@ -104,7 +104,8 @@ fn linear<const N: usize>(
         return None;
     }
     let vector = anemometer.vector()?;
-    let gas = anemometer.gas_at(slot.gas_c as f32)?;
+    let overheat_k = slot.overheat_k.iter().sum::<f64>() / SECTORS as f64;
+    let gas = anemometer.gas_at(slot.gas_c as f32, overheat_k as f32)?;
     let mut share_per_k = [0.0; SECTORS];
     for (i, gain) in anemometer.gains().enumerate().take(SECTORS) {
         share_per_k[i] = gain / slot.overheat_k[i] as f32;

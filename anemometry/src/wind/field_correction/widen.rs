@@ -44,7 +44,9 @@ impl FieldCorrection {
         estimate: &WindTick,
     ) -> Option<Matrix3<f64>> {
         let at = self.at(time_s)?;
-        let gas = anemometer.gas_at(estimate.gas_c)?;
+        let warm = estimate.overheat_k.iter().filter(|of| **of > 0.0);
+        let overheat_k = warm.clone().sum::<f32>() / warm.count().max(1) as f32;
+        let gas = anemometer.gas_at(estimate.gas_c, overheat_k)?;
         let expected = anemometer.vector()?.conductances(&gas, estimate.wind.wind_m_s);
         let gains: Vec<f64> = anemometer.gains().map(f64::from).collect();
         let (mut normal, mut pull) = (Matrix3::zeros(), SMatrix::<f64, 3, SECTORS>::zeros());

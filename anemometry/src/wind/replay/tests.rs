@@ -17,6 +17,7 @@ fn recording(folder: &Path, times_s: &[f64], period: Option<&str>) -> PathBuf {
         observed: Vec::new(),
         estimates: Vec::new(),
         combined_wind: false,
+        earth_wind: false,
     };
     let metadata: Metadata =
         period.map(|period| ("sample_period_s".to_owned(), period.to_owned())).into_iter().collect();

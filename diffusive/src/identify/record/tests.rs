@@ -143,6 +143,7 @@ fn ours(name: &str, rows: usize, late: usize) -> TemporaryFile {
         observed: Vec::new(),
         estimates: Vec::new(),
         combined_wind: false,
+        earth_wind: false,
     };
     let mut writer = RecordingWriter::create(&temp.path, layout, &Metadata::new()).unwrap();
     for n in 0..rows {

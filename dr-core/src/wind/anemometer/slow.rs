@@ -22,9 +22,10 @@ impl<const N: usize> Anemometer<N> {
         }
     }
 
-    /// The gas at a temperature, °C; none without a pressure, or outside its law.
-    pub fn gas_at(&self, gas_c: f32) -> Option<GasState> {
-        self.gas(Some(gas_c))
+    /// The gas at a temperature, °C, round surfaces of this mean overheat, K; none without a
+    /// pressure, or outside its law.
+    pub fn gas_at(&self, gas_c: f32, overheat_k: f32) -> Option<GasState> {
+        self.gas(Some(gas_c), overheat_k)
     }
 
     /// κ: share of a conductance by which the calibration misses it at a speed; 0 where it does not
@@ -33,7 +34,7 @@ impl<const N: usize> Anemometer<N> {
         let config = self.output.as_ref().map(|output| output.config);
         let (Some(uncertainty), Some(config)) = (&self.setup.uncertainty, config) else { return 0.0 };
         let Some(reynolds) = config.reynolds else { return 0.0 };
-        let scale = SpeedScale { reynolds, per_speed: gas.reynolds_per_speed(config.diameter_m) };
+        let scale = SpeedScale { reynolds, per_speed: gas.reynolds_per_speed(config.diameter_m), away: [0.0; 2] };
         uncertainty.conductance_share_at(scale.place(speed_m_s * scale.per_speed))
     }
 

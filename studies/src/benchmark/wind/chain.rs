@@ -70,6 +70,7 @@ fn recorded(experiment: &Experiment) -> Result<QuiescentRecord, StudyError> {
         observed: Vec::new(),
         estimates: Vec::new(),
         combined_wind: false,
+        earth_wind: false,
     };
     let mut known: Metadata = experiment.conditions().to_metadata();
     known.push(("head".to_owned(), experiment.head.source.text.clone()));

@@ -92,6 +92,7 @@ fn a_long_recording_passes_in_the_memory_of_some_blocks() {
         observed: Vec::new(),
         estimates: Vec::new(),
         combined_wind: false,
+        earth_wind: false,
     };
     let mut writer = RecordingWriter::create(&temp.path, layout, &Metadata::new()).unwrap();
     let mut noise = 1_u32;

@@ -1,0 +1,216 @@
+//! Turbulent fluxes by eddy covariance.
+//!
+//! The frame is turned into the mean wind, so that v̄ = w̄ = 0 (double rotation: about the vertical
+//! by η, then by ζ):
+//!
+//! η = atan2(v̄, ū), ζ = atan2(w̄, (ū² + v̄²)^½)
+//! u* = (−u'w')^½, L = −u*³ T̄/(κ g w'T'), κ = 0.40
+//!
+//! u* friction velocity, w'T' kinematic heat flux, L Obukhov length, T̄ in kelvins, g gravity.
+//! Sources: J. C. Kaimal, J. J. Finnigan, Atmospheric Boundary Layer Flows, Oxford 1994, ch. 6;
+//! A. M. Obukhov, Trudy Inst. Teor. Geofiz. AN SSSR 1 (1946) 95–115. Deviations are those from the
+//! mean of the interval. L is that of dry gas.
+
+use serde::Serialize;
+
+use super::cospectrum::TurbulentFlux;
+use super::sampling::covariance_u;
+
+const KARMAN: f64 = 0.40;
+const KELVIN: f64 = 273.15;
+/// A flux of fewer standard uncertainties has no root and no inverse.
+const SIGNIFICANT: f64 = 2.0;
+/// Least share of a flux that must be resolved.
+pub const LEAST_RESOLVED: f64 = 0.9;
+
+/// What fluxes need besides the wind.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EddyOptions {
+    /// Height above the ground, m.
+    pub height_m: f64,
+    /// Bandwidth of the wind, Hz.
+    pub bandwidth_hz: f64,
+    /// Bandwidth of the gas temperature, Hz, where one is known.
+    pub temperature_bandwidth_hz: Option<f64>,
+    /// m/s².
+    pub gravity_m_s2: f64,
+}
+
+/// A number with its standard uncertainty by the length of the record.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Sampled {
+    /// The number.
+    pub value: f64,
+    /// Its standard uncertainty.
+    pub u: f64,
+}
+
+/// The fluxes of an interval. What is missing has its reason in `left_out`.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct EddyFluxes {
+    /// u'w', m²/s².
+    pub uw_m2_s2: Option<Sampled>,
+    /// u*, m/s.
+    pub friction_velocity_m_s: Option<Sampled>,
+    /// w'T', K m/s; upward is positive.
+    pub heat_flux_k_m_s: Option<Sampled>,
+    /// L, m; positive where the layer is stable.
+    pub obukhov_length_m: Option<Sampled>,
+    /// Why something is missing.
+    pub left_out: Vec<String>,
+}
+
+/// Fluxes of winds (east, north, up), m/s, and the gas temperatures beside them, °C.
+pub fn fluxes(wind_m_s: &[[f64; 3]], gas_c: &[f64], interval_s: f64, options: &EddyOptions) -> EddyFluxes {
+    let mut fluxes = EddyFluxes::default();
+    let count = wind_m_s.len() as f64;
+    let mean = |of: &dyn Fn(&[f64; 3]) -> f64| wind_m_s.iter().map(of).sum::<f64>() / count;
+    let [u, v, w] = [mean(&|of| of[0]), mean(&|of| of[1]), mean(&|of| of[2])];
+    let horizontal = u.hypot(v);
+    let turned: Vec<[f64; 3]> = wind_m_s.iter().map(|of| turn(*of, v.atan2(u), w.atan2(horizontal))).collect();
+    let speed_m_s = horizontal.hypot(w);
+    let along: Vec<f64> = turned.iter().map(|of| of[0] - speed_m_s).collect();
+    let across: Vec<f64> = turned.iter().map(|of| of[2]).collect();
+    if across.iter().all(|w| w.abs() < 1e-9) {
+        fluxes.left_out.push("fluxes: the head does not measure the vertical wind".to_owned());
+        return fluxes;
+    }
+    let resolves = |flux: TurbulentFlux, bandwidth_hz: f64, name: &str| {
+        let share = flux.resolved(options.height_m, horizontal, bandwidth_hz, interval_s);
+        let is_enough = share >= LEAST_RESOLVED;
+        let sentence = format!(
+            "{name}: at {} m and {horizontal:.1} m/s {:.0} % of it lie between 1/{interval_s} Hz and {bandwidth_hz} Hz, {:.0} % are needed",
+            options.height_m,
+            100.0 * share,
+            100.0 * LEAST_RESOLVED
+        );
+        (!is_enough).then_some(sentence)
+    };
+    if let Some(sentence) = resolves(TurbulentFlux::Momentum, options.bandwidth_hz, "momentum flux") {
+        fluxes.left_out.push(sentence);
+    } else {
+        let flux = covariance(&along, &across);
+        fluxes.uw_m2_s2 = Some(flux);
+        match -flux.value > SIGNIFICANT * flux.u {
+            true => {
+                let value = (-flux.value).sqrt();
+                fluxes.friction_velocity_m_s = Some(Sampled { value, u: flux.u / (2.0 * value) });
+            }
+            false => {
+                fluxes.left_out.push("friction velocity: −u'w' is below twice its standard uncertainty".to_owned())
+            }
+        }
+    }
+    let Some(bandwidth_hz) = options.temperature_bandwidth_hz else {
+        fluxes.left_out.push("heat flux: the bandwidth of the gas temperature is not known".to_owned());
+        return fluxes;
+    };
+    if gas_c.len() != wind_m_s.len() || gas_c.iter().any(|of| !of.is_finite()) {
+        fluxes.left_out.push("heat flux: no gas temperature".to_owned());
+        return fluxes;
+    }
+    if let Some(sentence) = resolves(TurbulentFlux::Heat, bandwidth_hz.min(options.bandwidth_hz), "heat flux") {
+        fluxes.left_out.push(sentence);
+        return fluxes;
+    }
+    let mean_c = gas_c.iter().sum::<f64>() / count;
+    let heat = covariance(&across, &gas_c.iter().map(|of| of - mean_c).collect::<Vec<_>>());
+    fluxes.heat_flux_k_m_s = Some(heat);
+    if heat.value.abs() < SIGNIFICANT * heat.u {
+        fluxes.left_out.push("Obukhov length: w'T' is below twice its standard uncertainty".to_owned());
+        return fluxes;
+    }
+    fluxes.obukhov_length_m = fluxes.friction_velocity_m_s.map(|of| {
+        let value = -of.value.powi(3) * (mean_c + KELVIN) / (KARMAN * options.gravity_m_s2 * heat.value);
+        Sampled { value, u: value.abs() * (3.0 * of.u / of.value).hypot(heat.u / heat.value) }
+    });
+    fluxes
+}
+
+/// A vector in the frame of the mean wind.
+fn turn([x, y, z]: [f64; 3], eta: f64, zeta: f64) -> [f64; 3] {
+    let ((sin, cos), (rise, level)) = (eta.sin_cos(), zeta.sin_cos());
+    let ahead = x * cos + y * sin;
+    [ahead * level + z * rise, y * cos - x * sin, z * level - ahead * rise]
+}
+
+fn covariance(x: &[f64], y: &[f64]) -> Sampled {
+    let value = x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>() / x.len() as f64;
+    Sampled { value, u: covariance_u(x, y) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sampling::tests::correlated;
+    use super::*;
+
+    const OPTIONS: EddyOptions =
+        EddyOptions { height_m: 10.0, bandwidth_hz: 2.0, temperature_bandwidth_hz: Some(5.0), gravity_m_s2: 9.81 };
+
+    /// A wind from the south-west, on a slope of 3°, with u'w' = −0.09 m²/s² and w'T' = 0.05 K m/s.
+    fn series(seed: u64) -> (Vec<[f64; 3]>, Vec<f64>) {
+        let (u, w) = correlated(seed, 36_000, -0.3, 20.0);
+        let (other, _) = correlated(seed + 1000, 36_000, 0.0, 20.0);
+        let (azimuth, slope) = (50.0_f64.to_radians(), 3.0_f64.to_radians());
+        let wind = u.iter().zip(&w).map(|(u, w)| {
+            let (ahead, up) = (6.0 + 0.75 * u, 0.4 * w);
+            let (level, rise) = (ahead * slope.cos() - up * slope.sin(), ahead * slope.sin() + up * slope.cos());
+            [level * azimuth.cos(), level * azimuth.sin(), rise]
+        });
+        // 0.4 m/s · 0.5 K · 0.25.
+        let gas = w.iter().zip(&other).map(|(w, other)| 20.0 + 0.5 * (0.25 * w + 0.968 * other));
+        (wind.collect(), gas.collect())
+    }
+
+    #[test]
+    fn fluxes_of_a_known_series_are_found_within_their_uncertainty() {
+        let mut within = 0;
+        for seed in 0..40 {
+            let (wind, gas) = series(seed);
+            let found = fluxes(&wind, &gas, 1800.0, &OPTIONS);
+            assert!(found.left_out.is_empty(), "{found:?}");
+            let [uw, heat] = [found.uw_m2_s2.unwrap(), found.heat_flux_k_m_s.unwrap()];
+            within +=
+                i32::from((uw.value + 0.09).abs() < 2.0 * uw.u) + i32::from((heat.value - 0.05).abs() < 2.0 * heat.u);
+            let friction = found.friction_velocity_m_s.unwrap();
+            assert!((friction.value - 0.3).abs() < 5.0 * friction.u && friction.u < 0.015, "{friction:?}");
+        }
+        // 95 % of 80 within two standard uncertainties, less three standard deviations of it.
+        assert!(within >= 70, "{within} of 80");
+    }
+
+    #[test]
+    fn the_obukhov_length_is_that_of_its_definition() {
+        let (wind, gas) = series(3);
+        let found = fluxes(&wind, &gas, 1800.0, &OPTIONS);
+        let (friction, heat) = (found.friction_velocity_m_s.unwrap().value, found.heat_flux_k_m_s.unwrap().value);
+        let length = found.obukhov_length_m.unwrap();
+        let mean_k = 273.15 + gas.iter().sum::<f64>() / gas.len() as f64;
+        assert!((length.value / (-friction.powi(3) * mean_k / (0.4 * 9.81 * heat)) - 1.0).abs() < 1e-12);
+        // Upward heat: unstable. −0.3³·293/(0.4·9.81·0.05) is −40 m.
+        assert!(length.value < -20.0 && length.value > -80.0, "{length:?}");
+    }
+
+    #[test]
+    fn what_is_not_resolved_is_left_out_with_its_reason() {
+        let (wind, gas) = series(5);
+        let at = |height_m, temperature_bandwidth_hz| {
+            fluxes(&wind, &gas, 1800.0, &EddyOptions { height_m, temperature_bandwidth_hz, ..OPTIONS })
+        };
+        let low = at(0.5, Some(5.0));
+        assert_eq!((low.uw_m2_s2, low.friction_velocity_m_s, low.obukhov_length_m), (None, None, None));
+        assert!(low.left_out[0].starts_with("momentum flux: at 0.5 m and 6.0 m/s 7"), "{:?}", low.left_out);
+        let slow = at(10.0, Some(0.05));
+        assert!(slow.uw_m2_s2.is_some() && slow.heat_flux_k_m_s.is_none());
+        assert!(slow.left_out[0].starts_with("heat flux: at 10 m"), "{:?}", slow.left_out);
+        assert!(at(10.0, None).left_out[0].contains("bandwidth of the gas temperature"));
+        // Turbulence that carries nothing.
+        let (u, w) = correlated(9, 36_000, 0.0, 20.0);
+        let idle: Vec<[f64; 3]> = u.iter().zip(&w).map(|(u, w)| [6.0 + 0.75 * u, 0.0, 0.4 * w]).collect();
+        let none = fluxes(&idle, &gas, 1800.0, &OPTIONS);
+        assert!(none.uw_m2_s2.is_some() && none.friction_velocity_m_s.is_none(), "{none:?}");
+        assert!(none.left_out[0].starts_with("friction velocity: −u'w' is below"), "{none:?}");
+        let plane: Vec<[f64; 3]> = wind.iter().map(|[x, y, _]| [*x, *y, 0.0]).collect();
+        assert!(fluxes(&plane, &gas, 1800.0, &OPTIONS).left_out[0].contains("vertical wind"));
+    }
+}
