@@ -9,70 +9,30 @@ use std::path::Path;
 
 use anemometry::head::Head;
 use anemometry::network::identify::PolesPerPair;
-use anemometry::vector::{angle_deg, length};
-use anemometry::wind::comparison::{Coverage, SLOWEST_M_S, WindComparison};
 use anemometry::wind::field_correction::SlowErrorKind;
-use anemometry::wind::moment::Moment;
-use anemometry::wind::off_line::axes;
-use dr_core::wind::QualityFlags;
 use host_sim::experiment::Experiment;
 use host_sim::sensor::field::{DriftQuantity, ElementDrift, FieldEffects, Sun};
 use recording::text::count;
 use serde::Serialize;
-use wire::WindSample;
 
-use super::field_correction::blow_corrected;
-use super::wind::blown::blow;
-use super::wind::{SPHERE_B, WindMode, chain};
+use super::field_judged::{EffectFigures, EffectTally, MODE, SETTLE_S, TITLES, TUNNEL_SETTLE_S, judge};
+use super::field_own;
+use super::wind::{SPHERE_B, chain};
 use crate::thesis::{StudyError, StudyLab};
 
-const MODE: WindMode = WindMode { bandwidth_hz: 0.5, fixed: false };
 /// Of the first specimen.
 const SEED: u64 = 41;
-/// Left out of every wind of the short tunnel, and of every wind that is judged, s.
-const TUNNEL_SETTLE_S: f64 = 10.0;
-const SETTLE_S: f64 = 5.0;
-/// Speeds off by so many standard uncertainties, and angles about two axes by so many, are by
-/// chance in 0.3 % of cases.
-const BEYOND: f64 = 3.0;
-const BEYOND_OF_TWO: f64 = 3.44;
-
 /// Names of the experiments of `experiments/field`, each with what is otherwise in it, and by what
 /// it is corrected.
-const EFFECTS: [(&str, &str, Option<SlowErrorKind>); 7] = [
+const EFFECTS: [(&str, &str, Option<SlowErrorKind>); 4] = [
     ("sun", "sun, up to 3 mW, turning", Some(SlowErrorKind::Offsets)),
     ("surface-heat", "3 mW on one sector, from half way", Some(SlowErrorKind::Offsets)),
     ("sky", "sky of 180 K, emissivity 0.13", Some(SlowErrorKind::Offsets)),
     ("drifts", "gain −5 %, R₀ +0.01 %, contact −20 %, one sector each", Some(SlowErrorKind::Both)),
-    ("film", "gas and set-point 20 K warmer, film properties", None),
-    ("buoyancy", "buoyancy on Mars, 0.3 to 2 m/s", None),
-    ("stem", "stem cooled by the wind, and its wake", None),
 ];
 
 /// A tenth of a turn in the time of the experiment.
 const SLOW_SUN_S: f64 = 12_000.0;
-
-/// What an effect does, over all specimens.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct EffectFigures {
-    /// What is otherwise.
-    pub effect: String,
-    /// Errors of direction, °.
-    pub direction_rms_deg: Option<f64>,
-    /// Errors of speed, as shares.
-    pub speed_rms: Option<f64>,
-    /// Their mean.
-    pub speed_mean: Option<f64>,
-    /// Share of estimates flagged `inconsistent`.
-    pub inconsistent: Option<f64>,
-    /// Shares of 95 % intervals of estimates without a flag that hold the true value.
-    pub direction_coverage: Option<f64>,
-    /// The same of the speed.
-    pub speed_coverage: Option<f64>,
-    /// Share of all estimates that are off by more than three standard uncertainties without a
-    /// flag.
-    pub unsaid: Option<f64>,
-}
 
 /// What `anemo benchmark field` reports.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -81,44 +41,8 @@ pub struct FieldReport {
     pub specimens: u64,
     /// Effect by effect.
     pub effects: Vec<EffectFigures>,
-}
-
-/// Counts over all specimens.
-#[derive(Debug, Clone, Default)]
-struct EffectTally {
-    errors: WindComparison,
-    inconsistent: Coverage,
-    unsaid: Coverage,
-}
-
-impl EffectTally {
-    fn add(&mut self, estimate: &WindSample, axes: &[[f64; 3]], truth_m_s: [f64; 3]) {
-        let speed_m_s = length(truth_m_s);
-        if speed_m_s < SLOWEST_M_S {
-            return;
-        }
-        self.errors.add(estimate, axes, truth_m_s);
-        let flags = estimate.quality_flags;
-        self.inconsistent.add(flags.has(QualityFlags::INCONSISTENT));
-        let off_m_s = (f64::from(estimate.speed_m_s) - speed_m_s).abs();
-        let off_rad = angle_deg(estimate.wind_m_s.map(f64::from), truth_m_s).to_radians();
-        let is_beyond = off_m_s > BEYOND * f64::from(estimate.speed_error_m_s)
-            || off_rad > BEYOND_OF_TWO * f64::from(estimate.direction_error_rad);
-        self.unsaid.add(is_beyond && flags == QualityFlags::default());
-    }
-
-    fn figures(&self, effect: &str) -> EffectFigures {
-        EffectFigures {
-            effect: effect.to_owned(),
-            direction_rms_deg: self.errors.direction_deg.rms(),
-            speed_rms: self.errors.speed.rms(),
-            speed_mean: self.errors.speed.mean(),
-            inconsistent: self.inconsistent.share(),
-            direction_coverage: self.errors.direction_coverage.share(),
-            speed_coverage: self.errors.speed_coverage.share(),
-            unsaid: self.unsaid.share(),
-        }
-    }
+    /// Effects that were in the calibration, too.
+    pub of_tunnels: Vec<EffectFigures>,
 }
 
 /// Measures all effects on so many specimens; `experiments` is the folder of those of the wind,
@@ -173,7 +97,9 @@ pub fn measure(experiments: &Path, specimens: u64, progress: &dyn Fn(&str)) -> R
             effects.push(corrected.figures(&format!("… corrected: {}", kind.word())));
         }
     }
-    Ok(FieldReport { specimens, effects })
+    let own = StudyLab::new(experiments.join("../field/own"), progress);
+    let of_tunnels = field_own::measure(&quick, &own, (SEED..).take(specimens as usize))?;
+    Ok(FieldReport { specimens, effects, of_tunnels })
 }
 
 /// A specimen from nothing to a calibrated head.
@@ -191,53 +117,6 @@ fn no_sun() -> StudyError {
     StudyError::Other("the experiment `sun` of the field has no [sun]".to_owned())
 }
 
-/// Adds the estimates of an experiment, but for the beginnings of its winds: as they are, and
-/// corrected.
-fn judge(
-    experiment: &Experiment,
-    head: &Head,
-    kind: Option<SlowErrorKind>,
-    tallies: &mut [EffectTally; 2],
-) -> Result<(), StudyError> {
-    let axes = head.calibration.as_ref().map(|calibration| axes(head, calibration)).unwrap_or_default();
-    let mut label = String::new();
-    let mut from_s = 0.0;
-    let mut each = |is_corrected: bool, moment: &Moment, estimate: &WindSample| {
-        if label != moment.event {
-            (label, from_s) = (moment.event.clone(), moment.time_s);
-        }
-        if let Some(truth_m_s) = moment.wind_m_s
-            && moment.time_s - from_s >= SETTLE_S
-        {
-            tallies[usize::from(is_corrected)].add(estimate, &axes, truth_m_s);
-        }
-    };
-    match kind {
-        Some(kind) => blow_corrected(experiment, head, MODE, kind, &mut each),
-        None => blow(experiment, head, &[MODE], &mut |_, moment, estimate| each(false, moment, estimate)),
-    }
-}
-
-const TITLES: [&str; 6] =
-    ["otherwise", "direction rms", "speed rms (mean)", "`inconsistent`", "95 % intervals: direction, speed", "unsaid"];
-
-impl EffectFigures {
-    fn cells(&self) -> [String; 6] {
-        let percent = |share: Option<f64>, digits: usize| {
-            share.map_or_else(|| "none".to_owned(), |share| format!("{:.digits$} %", 100.0 * share))
-        };
-        let mean = self.speed_mean.map_or_else(String::new, |mean| format!(" ({:+.1} %)", 100.0 * mean));
-        [
-            self.effect.clone(),
-            self.direction_rms_deg.map_or_else(|| "none".to_owned(), |deg| format!("{deg:.2}°")),
-            percent(self.speed_rms, 2) + &mean,
-            percent(self.inconsistent, 1),
-            format!("{}, {}", percent(self.direction_coverage, 0), percent(self.speed_coverage, 0)),
-            percent(self.unsaid, 1),
-        ]
-    }
-}
-
 impl FieldReport {
     fn legend(&self) -> String {
         format!(
@@ -252,25 +131,31 @@ impl FieldReport {
     /// The page of a day.
     pub fn page(&self, day: &str) -> String {
         let line = |cells: [String; 6]| format!("| {} |\n", cells.join(" | "));
-        let rows: String = self.effects.iter().map(|of| line(of.cells())).collect();
+        let table = |effects: &[EffectFigures]| {
+            let rows: String = effects.iter().map(|of| line(of.cells())).collect();
+            format!("{}{}\n{rows}", line(TITLES.map(str::to_owned)), "|---".repeat(TITLES.len()) + "|")
+        };
         format!(
-            "# Effects of the field\n\nBy `anemo benchmark field --specimens {}`, {day}. {}\n\n{}{}\n{rows}",
+            "# Effects of the field\n\nBy `anemo benchmark field --specimens {}`, {day}. {}\n\n{}\n## In the tunnel, too\n\n{OWN}\n\n{}",
             self.specimens,
             self.legend(),
-            line(TITLES.map(str::to_owned)),
-            "|---".repeat(TITLES.len()) + "|"
+            table(&self.effects),
+            table(&self.of_tunnels)
         )
     }
 }
 
+/// What the second table is of.
+const OWN: &str = "Specimens that were identified in gas with film properties and calibrated with the effect, by \
+                   `experiments/field/own`; air is identified at 10 hPa, and moves at 1 013 hPa.";
+
 impl fmt::Display for FieldReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for cells in std::iter::once(TITLES.map(|title| title.replace('`', "")))
-            .chain(self.effects.iter().map(EffectFigures::cells))
-        {
-            let [effect, direction, speed, inconsistent, held, unsaid] = cells;
+        let titles = std::iter::once(TITLES.map(|title| title.replace('`', "")));
+        let all = self.effects.iter().chain(&self.of_tunnels);
+        for [effect, direction, speed, inconsistent, held, unsaid] in titles.chain(all.map(EffectFigures::cells)) {
             writeln!(f, "{effect:<54} {direction:>13} {speed:>18} {inconsistent:>12} {held:>32} {unsaid:>7}")?;
         }
-        writeln!(f, "\n{}", self.legend())
+        writeln!(f, "\n{} {OWN}", self.legend())
     }
 }

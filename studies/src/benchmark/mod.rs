@@ -5,6 +5,8 @@
 //! |---|---|
 //! | [`field`] | sun, sky, drifts, another gas, a cooled stem: what they do to the wind, and whether it is said |
 //! | [`field_correction`] | the same with slow errors corrected |
+//! | [`field_own`] | effects that were in the calibration, too |
+//! | [`field_judged`] | how wrong estimates are, and whether they say so |
 //! | [`heads`] | heads of every form, from nothing to wind |
 //! | [`measured`] | measured records: the beginning identified, the rest predicted |
 //! | [`modes`] | constant temperature, current and power on one head |
@@ -12,6 +14,8 @@
 
 pub mod field;
 pub mod field_correction;
+pub mod field_judged;
+pub mod field_own;
 pub mod heads;
 pub mod measured;
 pub mod modes;

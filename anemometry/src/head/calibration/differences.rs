@@ -9,9 +9,13 @@ use recording::text::tidy;
 
 use super::checked::Calibration;
 
-/// A gas temperature nearer to the calibration's than this changes the speed by less than 1 %: 20 K
-/// are 6 to 7 % of a sphere's.
+/// A gas temperature nearer to the calibration's than this is the same.
 const GAS_K: f64 = 3.0;
+/// What a kelvin changes where the calibration does not say it: 20 K are 6 to 7 % of a sphere's
+/// speed.
+const PERCENT_PER_K: f64 = 0.35;
+/// Less is not worth a word, %.
+const LEAST_PERCENT: f64 = 1.0;
 /// The same of the surfaces' temperatures.
 const SURFACE_K: f64 = 3.0;
 /// Pressures within this factor have the same balance of free and forced convection.
@@ -30,12 +34,13 @@ impl Calibration {
         let was = self.table.conditions.as_ref();
         if let Some((was, is)) = was.map(|of| of.gas_c).zip(gas_c)
             && let Some(degrees) = beyond(was, is, GAS_K)
+            && self.percent_per_k() * degrees > LEAST_PERCENT
         {
             found.push(format!(
                 "the gas is at {}, and was at {} in the calibration: {degrees:.0} K may be {:.0} % of speed, as properties change between surface and gas",
                 celsius(is),
                 celsius(was),
-                0.35 * degrees
+                self.percent_per_k() * degrees
             ));
         }
         if let Some((was, is)) = was.map(|of| of.surface_c).zip(surface_c)
@@ -58,6 +63,11 @@ impl Calibration {
         }
         found.extend(self.moved_support(conditions.support_temperature_c));
         found
+    }
+
+    /// What a kelvin of another gas temperature may be, % of the speed.
+    fn percent_per_k(&self) -> f64 {
+        self.table.convection.as_ref().map_or(PERCENT_PER_K, |of| 1e2 * of.speed_share_per_k)
     }
 
     /// That the support is at another temperature, for a head that takes its heat for wind.
