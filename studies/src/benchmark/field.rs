@@ -28,7 +28,7 @@ const EFFECTS: [(&str, &str, Option<SlowErrorKind>); 4] = [
     ("sun", "sun, up to 3 mW, turning", Some(SlowErrorKind::Offsets)),
     ("surface-heat", "3 mW on one sector, from half way", Some(SlowErrorKind::Offsets)),
     ("sky", "sky of 180 K, emissivity 0.13", Some(SlowErrorKind::Offsets)),
-    ("drifts", "gain −5 %, R₀ +0.01 %, contact −20 %, one sector each", Some(SlowErrorKind::Both)),
+    ("drifts", "gain −5 %, R₀ +0.01 %, contact −20 %, one sector each", Some(SlowErrorKind::Gains)),
 ];
 
 /// A tenth of a turn in the time of the experiment.

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::equations::{corrections, equations};
 use super::evidence::SlowEvidence;
-use super::open::open_errors;
+use super::open::{OpenError, open_errors};
 use super::smoother::{SlowEquation, SlowErrorsAt, SlowJump, SlowPrior, SlowSeries, doubt, smooth};
 
 /// Rounds of linear equations about the winds of the round before.
@@ -21,6 +21,8 @@ const STEADY: f64 = 3.0;
 const LEAST_STEADY: f64 = 20.0;
 /// Mean square from which on something has to be explained.
 const CONTRADICTED: f64 = 2.0;
+/// Uncertainty over the greatest error from which on it is not known which surface is wrong.
+const HIDDEN: f64 = 0.25;
 /// Standard deviations beyond which a residual counts as less.
 const FAR: f64 = 3.0;
 
@@ -148,10 +150,19 @@ impl FieldCorrection {
         }
         let begin_s = evidence.begin_s();
         let found = Self { kind, prior, jumps, count, chi_square, begin_s, slot_s, equations: own, found };
-        if open_errors(&found.prior, found.known().map(|(_, at)| at)).iter().any(|open| !open.is_common) {
+        // Where nothing contradicts, or hardly, errors are as small as they are unknown.
+        let open = open_errors(&found.prior, found.known().map(|(_, at)| at));
+        if found.chi_square[0] > CONTRADICTED && open.iter().any(|open| !open.is_common && found.hides(open)) {
             return Err(SlowErrorsUnknown::WindsAlike);
         }
         Ok(found)
+    }
+
+    /// Whether what is left open is a good part of what was found.
+    fn hides(&self, open: &OpenError) -> bool {
+        let first = if open.is_gain { SECTORS } else { 0 };
+        let sizes = self.known().flat_map(|(_, at)| (first..first + SECTORS).map(|i| at.errors[i].abs()));
+        open.deviation > HIDDEN * sizes.fold(0.0, f64::max)
     }
 
     /// The kind that makes the winds that both explain likelier; a jump has its price.

@@ -17,9 +17,10 @@ const COMMON: f64 = 0.9;
 pub struct OpenError {
     /// Whether all surfaces have it alike.
     pub is_common: bool,
-    is_gain: bool,
+    /// Whether it is of gains, else of heat.
+    pub is_gain: bool,
     /// mW or % of each surface.
-    deviation: f64,
+    pub deviation: f64,
 }
 
 /// Those of offsets and of gains, from the slots that have an equation.
