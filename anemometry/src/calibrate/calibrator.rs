@@ -367,7 +367,7 @@ mod tests {
     use crate::calibrate::drawn::surfaces_of;
     use crate::calibrate::steady_wind::SurfaceReading;
     use crate::calibrate::surfaces::readings::DrawnSurface;
-    use crate::calibrate::surfaces::stream::SoughtConvection;
+    use crate::calibrate::surfaces::sought::SoughtConvection;
     use crate::gas::IdealGas;
     use crate::vector::{dot, unit};
 

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 use super::error::CalibratorError;
 use super::surfaces::readings::{DrawnSurface, DrawnSurfaces, LossLaw};
-use super::surfaces::stream::{Gravity, SoughtConvection};
+use super::surfaces::sought::{Gravity, SoughtConvection};
 use crate::head::body::Correlation;
 use crate::head::file::Head;
 use crate::vector::{across, cross, dot, length, unit};

@@ -41,4 +41,4 @@ pub use surfaces::choice::{ConvectionOptions, chosen};
 pub use surfaces::cross_validation::{compare, cross_validate};
 pub use surfaces::readings::{DrawnSurface, DrawnSurfaces, LossLaw};
 pub use surfaces::solve::{calibrate, solve};
-pub use surfaces::stream::{Gravity, SoughtConvection};
+pub use surfaces::sought::{Gravity, SoughtConvection};

@@ -1,5 +1,5 @@
-//! How a calibrated head's convection is taken: at which temperature the properties of the gas, with
-//! which Nusselt number at rest, and from which free stream.
+//! How a calibrated head's convection is taken: at which temperature the properties of the gas,
+//! with which Nusselt number at rest, and from which free stream.
 //!
 //! ```text
 //! T_p = T_gas + φ ΔT         φ = 0 of the gas, ½ of the film (Incropera and DeWitt, ch. 6)
@@ -55,8 +55,8 @@ pub struct ConvectionSettings {
 
 impl ConvectionSettings {
     /// # Errors
-    /// A φ outside 0 … 1, temperatures that do not ascend, a Nusselt number outside 0.01 … 1000, a Reynolds number outside 0 … 10⁶,
-    /// or what [`FreeStream::new`] refuses.
+    /// A φ outside 0 … 1, temperatures that do not ascend, a Nusselt number outside 0.01 … 1000, a
+    /// Reynolds number outside 0 … 10⁶, or what [`FreeStream::new`] refuses.
     pub fn new(config: &ConvectionConfig) -> Result<Self, ConfigError> {
         let [least_c, most_c] = config.gas_c;
         error::within(Parameter::GasTemperatureC, least_c, -ZERO_CELSIUS_K, most_c.min(1e4))?;

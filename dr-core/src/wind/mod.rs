@@ -21,8 +21,9 @@
 //! axes of the surfaces are given.
 //!
 //! The inverse knows forced convection of a smooth body in a continuum; what the gas's Prandtl
-//! number makes of the amplitudes is for the calibration to put into them. It is meant for the decimated rate, 10 to 100 Hz. What runs there
-//! uses `+ − × ÷` on f32 in fixed order; root and logarithm are made of these here.
+//! number makes of the amplitudes is for the calibration to put into them. It is meant for the
+//! decimated rate, 10 to 100 Hz. What runs there uses `+ − × ÷` on f32 in fixed order; root and
+//! logarithm are made of these here.
 //!
 //! ```
 //! use dr_core::wind::{

@@ -1,5 +1,5 @@
-//! What a calibration finds of the stream that a sphere meets: the rise of warmed gas, the wake of a
-//! stem, and gas that was not quiescent.
+//! What a calibration finds of the stream that a sphere meets: the rise of warmed gas, the wake of
+//! a stem, and gas that was not quiescent.
 
 use anemometry::calibrate::{
     ComparisonSummary, ConvectionOptions, DrawnSurfaces, Gravity, SoughtConvection, SteadyWind, calibrate, chosen,

@@ -20,7 +20,8 @@ use super::family::AmplitudeShape;
 use super::fit::SurfaceFit;
 use super::grade::{ADVICE, CalibrationGrade};
 use super::king::FittedKing;
-use super::stream::{SoughtConvection, chord};
+use super::sought::SoughtConvection;
+use super::stream::chord;
 use crate::gas::ZERO_CELSIUS_K;
 use crate::head::calibration::table::{ConvectionModelTable, NusseltTable, PropertyTemperature, RiseTable, StemTable};
 use crate::vector::length;
@@ -28,13 +29,13 @@ use recording::text::{count, estimate, short};
 
 /// Nusselt numbers beyond so many times published ones are those of wrong units.
 const UNLIKELY: f64 = 5.0;
-/// What a gas that is a kelvin beyond those of the calibration adds to the uncertainty of the speed,
-/// as its share, and of the direction, °: of calibrations in gas of one temperature, and of several
-/// (`anemo benchmark field`).
+/// What a gas that is a kelvin beyond those of the calibration adds to the uncertainty of the
+/// speed, as its share, and of the direction, °: of calibrations in gas of one temperature, and of
+/// several (`anemo benchmark field`).
 const AWAY_OF_ONE: (f64, f64) = (1.6e-3, 0.016);
 const AWAY_OF_TWO: (f64, f64) = (1.5e-4, 0.008);
-/// Winds are unknown nearer to the stem than the nearest one by so much, °; and no farther than a
-/// stem reaches.
+/// Winds are unknown nearer to the stem than the nearest one by so much, °; and no farther than
+/// a stem reaches.
 const NEAREST_DEG: f64 = 1.0;
 const MOST_UNKNOWN_DEG: f64 = 35.0;
 /// Readings that leave a greater part of what is known of G0 before any of them have not fitted it.

@@ -14,7 +14,8 @@ use super::super::error::CalibrateError;
 use super::super::steady_wind::SteadyWind;
 use super::readings::{self, DrawnSurfaces};
 use super::solve::solve;
-use super::stream::{Gravity, SoughtConvection, is_behind};
+use super::sought::{Gravity, SoughtConvection};
+use super::stream::is_behind;
 
 /// Half-way between gas and surfaces.
 pub const FILM: f64 = 0.5;

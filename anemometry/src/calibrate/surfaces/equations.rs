@@ -8,7 +8,7 @@
 //!
 //! Unknowns in this order: coefficients of the amplitudes, u, γ, turns of the mounting, what is
 //! sought of King's law, its exponent m and the square of its yaw factor, κ, and what is sought of
-//! the [`stream`](super::stream), by which r moves. k̄ is the
+//! the stream ([`sought`](super::sought)), by which r moves. k̄ is the
 //! mean of k over the readings, so that γ is about the Nusselt number at rest, Nu_0. The prior
 //! enters as rows of its own: that of the [`family`](super::family), γ Nu_0 (1 ± `QUIESCENT`), u 0
 //! ± `GAIN`, and for a turn about the only axis of a cylinder or of wires 0 ± `TURN`.

@@ -15,7 +15,7 @@
 //! | [`readings`] | input, checked |
 //! | [`speeds`], [`spread`] | whether the winds determine the unknowns, and which are missing |
 //! | [`spline`], [`family`] | amplitudes as functions of the Reynolds number, and their prior |
-//! | [`stream`] | rise of the warmed gas, and what is behind the stem |
+//! | [`sought`], [`stream`] | rise of the warmed gas, and what is behind the stem |
 //! | [`choice`] | which convection the readings determine |
 //! | [`mounting`] | the turn between tunnel and head |
 //! | [`king`] | exponent and yaw factor of King's law |
@@ -52,6 +52,7 @@ pub mod king;
 pub mod mounting;
 pub mod readings;
 pub mod solve;
+pub mod sought;
 pub mod speeds;
 pub mod spline;
 pub mod spread;

@@ -20,7 +20,7 @@ use dr_core::wind::{HeadForm, NusseltSurface, SurfaceConfig};
 use super::super::error::CalibrateError;
 use super::super::steady_wind::{SteadyWind, SurfaceReading};
 use super::family::seen_orders;
-use super::stream::SoughtConvection;
+use super::sought::SoughtConvection;
 use crate::vector::{across, cross, dot, length};
 use recording::text::{count, tidy};
 

@@ -1,7 +1,7 @@
 //! What a recording holds about slow errors: conductances of its four surfaces, averaged over slots
 //! of some seconds.
 //!
-//! Slots grow with the recording, so that there are [`MOST_SLOTS`] at most; of two that become one
+//! Slots grow with the recording, so that there are 4096 at most; of two that become one
 //! the steadier is kept, for a mean over a wind that has changed is of no wind.
 
 use dr_core::wind::sphere::SECTORS;

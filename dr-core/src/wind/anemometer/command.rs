@@ -96,7 +96,7 @@ pub enum WindCommand {
     Form(HeadForm),
     /// What the calibration adds to the uncertainty of the wind; without it nothing.
     Uncertainty(CalibrationUncertainty),
-    /// How the convection of surfaces is taken; without it as [`convection`](crate::wind::convection)
-    /// says.
+    /// How the convection of surfaces is taken; without it by the properties of the gas, in the
+    /// wind itself.
     Convection(ConvectionConfig),
 }
