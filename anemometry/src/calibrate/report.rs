@@ -116,7 +116,8 @@ fn surfaces<M: SerializeMap>(map: &mut M, calibration: &SurfaceCalibration) -> R
     map.serialize_entry("orders", &calibration.orders)?;
     map.serialize_entry("winds", &calibration.winds)?;
     map.serialize_entry("quiescent", &calibration.quiescent)?;
-    map.serialize_entry("reynolds", &[calibration.curves.least_reynolds, calibration.curves.most_reynolds])?;
+    map.serialize_entry("reynolds", &calibration.reynolds())?;
+    map.serialize_entry("convection", &calibration.convection)?;
     map.serialize_entry("residual_rms", &calibration.residual_rms)?;
     map.serialize_entry("chi_square", &calibration.chi_square)?;
     map.serialize_entry("degrees_of_freedom", &calibration.degrees_of_freedom)?;

@@ -23,7 +23,7 @@ use crate::arithmetic::{dot, length, plus, scaled};
 /// Most steps from one start, dropped ones included.
 pub const MOST_STEPS: u8 = 16;
 /// Most steps for one estimate: it must be finished before the next tick, whatever was measured.
-pub const MOST_STEPS_IN_ALL: u8 = 24;
+pub const MOST_STEPS_IN_ALL: u8 = 23;
 
 const DAMPING: f32 = 0.01;
 /// Enough for the equations to be solved where one direction has no effect.

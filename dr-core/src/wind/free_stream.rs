@@ -75,6 +75,8 @@ pub struct StemConfig {
 pub struct FreeStream {
     rise: Option<RiseConfig>,
     stem: Option<StemConfig>,
+    /// Whether the stem changes any stream.
+    is_mapped: bool,
 }
 
 /// Values of a stem map at a chord.
@@ -108,12 +110,19 @@ impl FreeStream {
             }
             Ok(stem)
         });
-        Ok(Self { rise: rise.transpose()?, stem: stem.transpose()? })
+        let stem: Option<StemConfig> = stem.transpose()?;
+        let is_mapped = stem.is_some_and(|of| of.factor != [1.0; STEM_KNOTS] || of.deflection != [0.0; STEM_KNOTS]);
+        Ok(Self { rise: rise.transpose()?, stem, is_mapped })
     }
 
-    /// Whether stream and wind are one, and nothing is flagged.
+    /// Whether nothing is known of it: stream and wind are one, and no wind is flagged.
     pub const fn is_none(&self) -> bool {
         self.rise.is_none() && self.stem.is_none()
+    }
+
+    /// The map of the stem, if there is one.
+    fn map(&self) -> Option<&StemConfig> {
+        self.stem.as_ref().filter(|_| self.is_mapped)
     }
 
     /// U_b of a head of `diameter_m`, warmer than a gas of `gas_k` by `overheat_k`, m/s.
@@ -124,7 +133,7 @@ impl FreeStream {
 
     /// v_e of a wind.
     pub fn met(&self, wind_m_s: [f32; 3], rise_speed_m_s: f32) -> [f32; 3] {
-        let behind_m_s = self.stem.as_ref().map_or(wind_m_s, |stem| stem.behind(wind_m_s));
+        let behind_m_s = self.map().map_or(wind_m_s, |stem| stem.behind(wind_m_s));
         match &self.rise {
             Some(rise) => plus(behind_m_s, rise.at(length(behind_m_s), rise_speed_m_s), rise.up),
             None => behind_m_s,
@@ -134,7 +143,7 @@ impl FreeStream {
     /// The wind whose stream is v_e.
     pub fn wind(&self, met_m_s: [f32; 3], rise_speed_m_s: f32) -> [f32; 3] {
         let behind_m_s = self.rise.as_ref().map_or(met_m_s, |rise| rise.without(met_m_s, rise_speed_m_s));
-        self.stem.as_ref().map_or(behind_m_s, |stem| stem.before(behind_m_s))
+        self.map().map_or(behind_m_s, |stem| stem.before(behind_m_s))
     }
 
     /// The estimate of a stream as one of the wind; one that failed stays.
@@ -142,12 +151,24 @@ impl FreeStream {
         if self.is_none() || met.quality.has(QualityFlags::FAILED) {
             return met;
         }
+        let is_near = |wind: &WindEstimate| {
+            self.stem.is_some_and(|stem| stem.is_near(wind.wind_m_s, wind.direction_error_rad))
+                && !wind.quality.has(QualityFlags::NO_DIRECTION)
+        };
+        let there = if self.rise.is_some() || self.is_mapped {
+            self.carried_back(met, rise_speed_m_s, direction_error_max_rad)
+        } else {
+            met
+        };
+        WindEstimate { quality: there.quality.with(QualityFlags::NEAR_STEM, is_near(&there)), ..there }
+    }
+
+    fn carried_back(&self, met: WindEstimate, rise_speed_m_s: f32, direction_error_max_rad: f32) -> WindEstimate {
         let wind_m_s = self.wind(met.wind_m_s, rise_speed_m_s);
         let speed_m_s = length(wind_m_s);
         let covariance_m2_s2 = self.carried(&met.covariance_m2_s2, wind_m_s, rise_speed_m_s);
         let (speed_error_m_s, direction_error_rad) = standard_errors(&covariance_m2_s2, wind_m_s, 3);
         let no_direction = direction_error_rad > direction_error_max_rad;
-        let near = self.stem.is_some_and(|stem| stem.is_near(wind_m_s, direction_error_rad));
         WindEstimate {
             wind_m_s,
             speed_m_s,
@@ -155,10 +176,7 @@ impl FreeStream {
             speed_error_m_s,
             direction_error_rad,
             other_m_s: met.other_m_s.map(|other| self.wind(other, rise_speed_m_s)),
-            quality: met
-                .quality
-                .with(QualityFlags::NO_DIRECTION, no_direction)
-                .with(QualityFlags::NEAR_STEM, near && !no_direction),
+            quality: met.quality.with(QualityFlags::NO_DIRECTION, no_direction),
             ..met
         }
     }

@@ -19,8 +19,9 @@ use dr_core::model::{
 use dr_core::sensor::{Channel, Level, Platinum, Reading};
 use dr_core::signal::{Decimator, DecimatorState, Prbs, SigmaDelta};
 use dr_core::wind::{
-    self, CalibrationUncertainty, GasLawConfig, GasState, HeadForm, HeadSurface, MOST_SURFACES, MeasuredConductance,
-    NusseltConfig, WindCommand, WindEstimate, WindOutputConfig, WindState, WindTick, WindVector,
+    self, CalibrationUncertainty, ConvectionConfig, GasLawConfig, GasState, HeadForm, HeadSurface, MOST_SURFACES,
+    MeasuredConductance, NusseltConfig, RiseConfig, StemConfig, WindCommand, WindEstimate, WindOutputConfig, WindState,
+    WindTick, WindVector,
 };
 use dr_core::{Command, Instrument};
 // For the table of interrupts, of which none is used.
@@ -295,6 +296,21 @@ fn anemometer() -> Option<()> {
         speed_share: [2e-3; 4],
         direction_rad: [2e-3; 4],
         chi_square_most: 7.0,
+    })))?;
+    send(Command::Wind(WindCommand::Convection(ConvectionConfig {
+        film_share: 0.5,
+        nusselt_at_rest: 2.0,
+        slowest_reynolds: least_reynolds,
+        gas_c: [GAS_C, GAS_C],
+        speed_share_per_k: 1e-3,
+        direction_rad_per_k: 1e-3,
+        rise: Some(RiseConfig { gravity_m_s2: 3.71, up: [0.0, 0.0, 1.0], at_rest: 0.61, decay: 1.22 }),
+        stem: Some(StemConfig {
+            axis: [0.0, 0.0, -1.0],
+            unknown_chord: 0.3,
+            factor: [0.8, 0.82, 0.87, 0.93, 0.98, 1.0, 1.0, 1.0],
+            deflection: [0.4, 0.38, 0.34, 0.25, 0.13, 0.0, 0.0, 0.0],
+        }),
     })))?;
     send(Command::Wind(WindCommand::Output(WindOutputConfig {
         surfaces: PARTS,

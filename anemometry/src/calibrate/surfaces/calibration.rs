@@ -279,14 +279,9 @@ impl SurfaceCalibration {
 
 impl fmt::Display for SurfaceCalibration {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "{} ({} of quiescent gas), Re {:.1} to {:.1}, ",
-            count(self.winds, "wind"),
-            self.quiescent,
-            self.curves.least_reynolds,
-            self.curves.most_reynolds
-        )?;
+        let [least, most] = self.reynolds();
+        let winds = count(self.winds, "wind");
+        write!(f, "{winds} ({} of quiescent gas), Re {least:.1} to {most:.1}, ", self.quiescent)?;
         if let Some(coefficients) = self.coefficients {
             writeln!(f, "{coefficients} coefficients an amplitude")?;
         }
