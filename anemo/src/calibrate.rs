@@ -122,7 +122,7 @@ pub struct Arguments {
     ]))]
     properties: Option<PropertyTemperature>,
     /// Gravity in the tunnel, m/s², for the rise of the gas that a sphere warms; 0 leaves it out.
-    #[arg(long, value_name = "M_S2", default_value_t = 9.81)]
+    #[arg(long, value_name = "M_S2", default_value_t = 9.81, allow_negative_numbers = true)]
     gravity: f64,
     /// More uncertain directions are flagged `no-direction`, °.
     #[arg(long, value_name = "DEGREES", default_value_t = 20.0)]
@@ -181,8 +181,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let calibrated = calibrated.map_err(|error| match (short, arguments.settle) {
         (0, _) => Failure::work(error),
         (short, settle_s) => Failure::work(format!(
-            "{error}\nleft out, for not being longer than the {settle_s} s of --settle: {}",
-            count(short, "wind")
+            "{} left out, for not being longer than the {settle_s} s of --settle: give less, such as --settle {}; of the others:\n{error}",
+            count(short, "wind"),
+            0.5 * settle_s
         )),
     })?;
     if let Some(path) = &arguments.output {

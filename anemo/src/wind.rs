@@ -23,7 +23,7 @@ use recording::{Metadata, RecordingLayout, RecordingReader, RecordingRow, Writer
 /// Four surfaces have one number more than a wind needs. Where it contradicts, the report says
 /// which slow error of single surfaces would explain it: heat (sun, sky, a resistor that drifts) or
 /// gain (dust). With --field-correction that is found over the whole recording and taken out; what
-/// the winds do not determine stays, and widens the uncertainties.
+/// the winds do not determine stays, and widens the uncertainties. A low bandwidth shows most.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -34,7 +34,7 @@ Examples:
       -o wind.csv --json
 
   anemo run experiments/field/sun.toml --on sim -o sun.parquet
-  anemo wind sun.parquet --head head.toml --bandwidth 0.5 --from 600 \
+  anemo wind sun.parquet --head head.toml --bandwidth 0.5 --from 600 \\
       --settle 5 --field-correction offsets
 
   anemo run experiments/wind/rems/winds.toml --on sim -o card-winds.parquet
@@ -43,7 +43,7 @@ Examples:
 
 Quality flags: failed, refused, degraded, ambiguous, undetermined, no-direction, extrapolated, \
 uncalibrated, no-gas, not-running, saturated, starting, cold, inconsistent, \
-below-calibration; in the table the sum of 1, 2, 4 … 16384 in this order.")]
+below-calibration, near-stem; in the table the sum of 1, 2, 4 … 32768 in this order.")]
 pub struct Arguments {
     /// The recording: a .parquet or .csv file.
     recording: PathBuf,

@@ -89,11 +89,24 @@ pub fn compare_with_reference(arguments: &CompareArguments) -> Result<(), Failur
                 head.name
             ))
         })?;
+        // A scale is that of the calibration whose estimates were compared.
+        let made_by = head_of(&arguments.estimates, None).ok().and_then(|head| head.calibration);
+        if made_by.is_some_and(|made_by| made_by.table.made_from != calibration.table.made_from) {
+            return Err(Failure::usage(format!(
+                "{}: the estimates are of another calibration than that of head `{}`: compare estimates that were made with it",
+                arguments.estimates.display(),
+                head.name
+            )));
+        }
         let day = metadata.iter().find(|(key, _)| key == "start_utc").and_then(|(_, text)| text.get(..10));
         let why = arguments.reference.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let scale = (found.scale.value, found.scale.u);
         let (text, _) = calibration.rescaled(scale, &why, day, &head).map_err(Failure::work)?;
         crate::output::write_text(path, &text)?;
     }
-    crate::output::print_report(&found, arguments.json)
+    crate::output::print_report(&found, arguments.json)?;
+    match &arguments.output {
+        Some(path) if !arguments.json => crate::output::print(&format!("head written to {}\n", path.display())),
+        _ => Ok(()),
+    }
 }

@@ -30,6 +30,9 @@ const WHOLE: f64 = 1e-3;
 /// Share of contradicting estimates from which on it is sought what explains them.
 const OFTEN: f64 = 0.05;
 
+/// χ² that slow errors of one kind leave, beyond which both are sought.
+const MOST_LEFT: f64 = 3.0;
+
 /// With one of these an estimate is of a head that warms up, and the heat of its cores unknown.
 const NOT_SETTLED: [QualityFlags; 3] = [QualityFlags::STARTING, QualityFlags::SATURATED, QualityFlags::NOT_RUNNING];
 
@@ -87,6 +90,8 @@ pub struct WindEstimation<'a> {
     levels: LevelRecord,
     evidence: SlowEvidence,
     correction: Option<FieldCorrection>,
+    /// Least and greatest temperature of the gas in estimates that count, °C.
+    gas_c: Option<[f64; 2]>,
     unknown_heat: Vec<UnknownHeat>,
     /// Of the gas, and of labels that do not match.
     warnings: Vec<String>,
@@ -137,6 +142,7 @@ impl<'a> WindEstimation<'a> {
             levels: LevelRecord::default(),
             evidence: SlowEvidence::default(),
             correction: None,
+            gas_c: None,
             unknown_heat: cores(calibration),
             warnings,
         })
@@ -183,8 +189,16 @@ impl<'a> WindEstimation<'a> {
             return None;
         }
         let [offsets, gains] = [SlowErrorKind::Offsets, SlowErrorKind::Gains].map(|kind| self.slow_errors(kind).ok());
-        let better = FieldCorrection::likelier(offsets?, gains?);
-        better.explains().then(|| SlowErrorReport::of(&better, &self.surfaces(), false))
+        let (better, other) = FieldCorrection::likelier(offsets?, gains?);
+        let names = self.surfaces();
+        let unexplained = |of: &FieldCorrection| !of.explains() || of.chi_square[1] > MOST_LEFT;
+        if unexplained(&better)
+            && let Some(both) = self.slow_errors(SlowErrorKind::Both).ok().filter(|both| !unexplained(both))
+        {
+            return Some(SlowErrorReport::of(&both, &names, false));
+        }
+        let other = other.filter(FieldCorrection::explains).map(|of| SlowErrorReport::of(&of, &names, false).words());
+        better.explains().then(|| SlowErrorReport { as_likely: other, ..SlowErrorReport::of(&better, &names, false) })
     }
 
     /// The next estimate; none after the last row.
@@ -229,6 +243,11 @@ impl<'a> WindEstimation<'a> {
             self.has_truth |= true_wind_m_s.is_some();
             if moment.time_s >= self.options.from_s && moment.time_s - begun_s >= self.options.settle_s {
                 self.tally.add(&sample);
+                if !sample.quality_flags.has(QualityFlags::NO_GAS) {
+                    let is_c = f64::from(sample.gas_c);
+                    let [least_c, most_c] = self.gas_c.unwrap_or([is_c; 2]);
+                    self.gas_c = Some([least_c.min(is_c), most_c.max(is_c)]);
+                }
                 if NOT_SETTLED.iter().all(|flag| !sample.quality_flags.has(*flag)) {
                     for of in &mut self.unknown_heat {
                         of.add(self.anemometer.unknown_heat_w(of.place));
@@ -247,6 +266,9 @@ impl<'a> WindEstimation<'a> {
     pub fn report(mut self) -> WindReport {
         let slow_errors = self.slow_error_report();
         self.unknown_heat.retain(UnknownHeat::is_known);
+        // A constant has been compared at the beginning.
+        let measured = self.gas_c.filter(|_| self.gas.constant_c().is_none());
+        self.warnings.extend(measured.and_then(|gas_c| self.calibration.gas_difference(gas_c)));
         self.warnings.extend(contradiction(&self.unknown_heat));
         let (gaps, missing_s) = self.replay.gaps;
         let surfaces = self.calibration.network.own.iter().filter(|own| own.surface.is_some());

@@ -30,7 +30,7 @@
 //! those of still or slow gas, are not remembered. Winds that are slower than all of the
 //! calibration, and not still, are flagged `below-calibration`.
 //!
-//! To s and d those of a gas temperature that no calibration has had are added in squares.
+//! A gas temperature that no calibration has had adds its own shares, which are not widened.
 //!
 //! *Limits.* The errors of gas and pressure readings are not in it.
 
@@ -157,23 +157,26 @@ impl CalibrationUncertainty {
         let wider = if is_inconsistent { chi_square / freedom * (1.0 + BY_FEW / freedom) } else { 1.0 };
 
         let size_m_s = wind.speed_m_s.max(scale.reynolds[0] / scale.per_speed);
-        let [speed_away, direction_away] = scale.away;
-        let along_m_s = hypotenuse(at(&self.speed_share, place), speed_away) * size_m_s;
-        let across_m_s = hypotenuse(at(&self.direction_rad, place), direction_away) * size_m_s;
+        let [away_along_m_s, away_across_m_s] = scale.away.map(|share| share * size_m_s);
+        let along_m_s = at(&self.speed_share, place) * size_m_s;
+        let across_m_s = at(&self.direction_rad, place) * size_m_s;
         let per_square = if wind.speed_m_s > 0.0 { 1.0 / square(wind.speed_m_s) } else { 0.0 };
-        let beyond = square(along_m_s) - square(across_m_s);
+        // What another gas temperature leaves open is a contradiction's cause, and not widened by it.
+        let whole = |known_m_s: f32, away_m_s: f32| wider * square(known_m_s) + square(away_m_s);
+        let (added_along, added_across) = (whole(along_m_s, away_along_m_s), whole(across_m_s, away_across_m_s));
         let mut covariance_m2_s2 = wind.covariance_m2_s2;
         for (i, row) in covariance_m2_s2.iter_mut().enumerate() {
             for (j, element) in row.iter_mut().enumerate() {
-                let across = if i == j { square(across_m_s) } else { 0.0 };
-                *element = wider * (*element + across + beyond * per_square * wind.wind_m_s[i] * wind.wind_m_s[j]);
+                let across = if i == j { added_across } else { 0.0 };
+                let along = (added_along - added_across) * per_square * wind.wind_m_s[i] * wind.wind_m_s[j];
+                *element = wider * *element + across + along;
             }
         }
-        let across_rad = if wind.speed_m_s > 0.0 { across_m_s / wind.speed_m_s } else { PI };
-        let speed_error_m_s = sqrt(wider * (square(wind.speed_error_m_s) + square(along_m_s)));
+        let speed_error_m_s = sqrt(wider * square(wind.speed_error_m_s) + added_along);
         let is_still = wind.speed_m_s < STILL * speed_error_m_s;
         let is_below = wind.speed_m_s + speed_error_m_s < scale.reynolds[0] / scale.per_speed;
-        let direction_error_rad = sqrt(wider * (square(wind.direction_error_rad) + square(across_rad))).min(PI);
+        let across_square = if wind.speed_m_s > 0.0 { added_across * per_square } else { PI * PI };
+        let direction_error_rad = sqrt(wider * square(wind.direction_error_rad) + across_square).min(PI);
         let no_direction = direction_error_rad > direction_error_max_rad;
         WindEstimate {
             covariance_m2_s2,
@@ -205,10 +208,6 @@ fn at(knots: &[f32; KNOTS], place: f32) -> f32 {
     let first = (place as usize).min(KNOTS - 2);
     let [from, to] = [knots[first], knots[first + 1]];
     from + (place - first as f32) * (to - from)
-}
-
-fn hypotenuse(a: f32, b: f32) -> f32 {
-    if b > 0.0 { sqrt(square(a) + square(b)) } else { a }
 }
 
 fn square(x: f32) -> f32 {

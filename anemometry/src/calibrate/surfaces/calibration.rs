@@ -9,7 +9,7 @@ use dr_core::ConfigError;
 use dr_core::wind::free_stream::STEM_KNOTS;
 use dr_core::wind::nusselt::POINTS;
 use dr_core::wind::{ConvectionSettings, HeadForm, MeasuredConductance, SurfaceConfig, WindVector};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Matrix3, SymmetricEigen, Vector3};
 use serde::Serialize;
 
 use super::super::drawn::DrawnOptions;
@@ -34,6 +34,10 @@ const UNLIKELY: f64 = 5.0;
 /// several (`anemo benchmark field`).
 const AWAY_OF_ONE: (f64, f64) = (1.6e-3, 0.016);
 const AWAY_OF_TWO: (f64, f64) = (1.5e-4, 0.008);
+/// How far apart quiescent gas was for these, K.
+const AWAY_OF_TWO_K: f64 = 30.0;
+/// Component out of a plane, rms, from which on winds are not of it.
+const LEAST_OUT: f64 = 0.08;
 /// Winds are unknown nearer to the stem than the nearest one by so much, °; and no farther than
 /// a stem reaches.
 const NEAREST_DEG: f64 = 1.0;
@@ -89,6 +93,8 @@ pub struct SurfaceCalibration {
     pub rise_errors: Option<[f64; 2]>,
     /// What was sought of it.
     pub sought: SoughtConvection,
+    /// Whether all winds are of one plane, though the head determines more.
+    pub is_of_plane: bool,
 }
 
 /// A surface of a calibrated head.
@@ -195,6 +201,7 @@ impl SurfaceCalibration {
                 [first, first + 1].map(|k| covariance[(k, k)].sqrt())
             }),
             sought: head.convection.clone(),
+            is_of_plane: problem.head.is_complete() && is_of_plane(problem),
         }
     }
 
@@ -237,6 +244,12 @@ impl SurfaceCalibration {
         if self.sought.is_without_quiescent {
             sentences.push(
                 "quiescent gas contradicts the winds, and was left out: was it quiescent, and does warm gas rise that --gravity leaves out?"
+                    .to_owned(),
+            );
+        }
+        if self.is_of_plane {
+            sentences.push(
+                "all winds are of one plane: winds out of it, which this head sees, are extrapolated, and may be 10 % wrong without a flag"
                     .to_owned(),
             );
         }
@@ -386,6 +399,14 @@ pub(super) struct BoardHead {
     pub convection: Option<ConvectionSettings>,
 }
 
+/// Whether no wind leaves some plane by more than a few degrees.
+fn is_of_plane(problem: &SurfaceProblem<'_>) -> bool {
+    let towards = problem.winds.iter().filter(|wind| !wind.is_quiescent()).map(|wind| Vector3::from(wind.towards));
+    let count = towards.clone().count().max(1) as f64;
+    let spread: Matrix3<f64> = towards.map(|t| t * t.transpose()).sum();
+    SymmetricEigen::new(spread / count).eigenvalues.min() < LEAST_OUT.powi(2)
+}
+
 /// How the convection of a sphere was taken.
 fn convection(problem: &SurfaceProblem<'_>, fitted: &SurfaceFit) -> Option<ConvectionModelTable> {
     let (sought, place) = (&problem.head.drawn.convection, &fitted.place);
@@ -414,7 +435,13 @@ fn convection(problem: &SurfaceProblem<'_>, fitted: &SurfaceFit) -> Option<Conve
     let properties = if sought.film_share > 0.0 { PropertyTemperature::Film } else { PropertyTemperature::Gas };
     let nusselt_at_rest = problem.family.rest(&place.coefficients);
     let gas_c = |pick: fn(f64, f64) -> f64| moving().map(|wind| wind.gas_k - ZERO_CELSIUS_K).reduce(pick);
-    let (speed_share_per_k, direction_deg_per_k) = if sought.is_rest_sought { AWAY_OF_TWO } else { AWAY_OF_ONE };
+    // What a farther temperature would say better.
+    let farther = AWAY_OF_TWO_K / problem.quiescent_range_k().max(1.0);
+    let per_k = |of_two: f64, of_one: f64| {
+        if sought.is_rest_sought { (of_two * farther).clamp(of_two, of_one) } else { of_one }
+    };
+    let speed_share_per_k = per_k(AWAY_OF_TWO.0, AWAY_OF_ONE.0);
+    let direction_deg_per_k = per_k(AWAY_OF_TWO.1, AWAY_OF_ONE.1);
     Some(ConvectionModelTable {
         properties,
         nusselt_at_rest,

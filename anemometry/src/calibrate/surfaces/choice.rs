@@ -19,8 +19,8 @@ use super::stream::is_behind;
 
 /// Half-way between gas and surfaces.
 pub const FILM: f64 = 0.5;
-/// Gas temperatures that differ by less say nothing of properties and rest, K.
-const LEAST_RANGE_K: f64 = 5.0;
+/// Temperatures of quiescent gas that differ by less say nothing of properties and rest, K.
+const LEAST_RANGE_K: f64 = 15.0;
 /// F of the rise and of a stem map, and how many numbers each counts for.
 const RISE: (f64, f64) = (15.0, 2.0);
 const STEM: (f64, f64) = (10.0, 6.0);
@@ -54,7 +54,8 @@ pub fn chosen(
         return Ok(SoughtConvection::default());
     }
     let winds = readings::winds(&ready, steady)?;
-    let is_rest_sought = range(winds.iter().map(|wind| wind.gas_k)) > LEAST_RANGE_K;
+    let still = winds.iter().filter(|wind| wind.is_quiescent());
+    let is_rest_sought = range(still.map(|wind| wind.gas_k)) > LEAST_RANGE_K;
     let shares = match options.film_share {
         Some(share) => vec![share],
         None if is_rest_sought => vec![FILM, 0.0],
@@ -79,7 +80,9 @@ pub fn chosen(
     }
     let rows = winds.iter().filter(|wind| wind.is_quiescent()).map(|wind| wind.rows.len()).sum::<usize>();
     if rows > 0 && rows < winds.len() * head.surfaces.len() {
-        best.consider((CONTRADICTS * CONTRADICTS, rows as f64), |sought| sought.is_without_quiescent = true);
+        best.consider((CONTRADICTS * CONTRADICTS, rows as f64), |sought| {
+            (sought.is_without_quiescent, sought.is_rest_sought) = (true, false);
+        });
         if best.convection.is_without_quiescent {
             best.consider(RISE, |sought| sought.rise = rise);
         }

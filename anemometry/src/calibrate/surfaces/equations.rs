@@ -164,6 +164,12 @@ impl<'a> SurfaceProblem<'a> {
         }
     }
 
+    /// Between the warmest and the coldest quiescent gas, K.
+    pub fn quiescent_range_k(&self) -> f64 {
+        let still = self.winds.iter().filter(|wind| wind.is_quiescent()).map(|wind| wind.gas_k);
+        still.clone().reduce(f64::max).zip(still.reduce(f64::min)).map_or(0.0, |(most, least)| most - least)
+    }
+
     /// First of u.
     pub fn first_gain(&self) -> usize {
         self.family.count()

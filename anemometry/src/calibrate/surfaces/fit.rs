@@ -28,9 +28,9 @@ const DAMPING: f64 = 1e-2;
 const MOST_STEPS: usize = 200;
 /// Far below one standard error, and above what the f32 means of the surfaces make of the cost.
 const SMALL: f64 = 1e-3;
-/// The same where the stream is sought, which dr-core gives in f32: where no step pays, rounding
-/// ends it.
-const SMALL_OF_STREAM: f64 = 0.5;
+/// The same where no step pays any more: dr-core's means and streams are f32, whose rounding the
+/// cost has, too.
+const ROUNDED: f64 = 0.5;
 /// Damping at which a step is too short to be one.
 const MOST_DAMPING: f64 = 1e8;
 const LEAST_DAMPING: f64 = 1e-9;
@@ -81,6 +81,7 @@ pub fn fit_from(problem: &SurfaceProblem<'_>, start: FitPoint) -> Result<Surface
 fn descend(problem: &SurfaceProblem<'_>, mut place: FitPoint, stage: FitStage) -> Option<FitPoint> {
     let mut here = problem.equations(&place, stage);
     let mut damping = DAMPING;
+    let mut is_near = false;
     for _ in 0..MOST_STEPS {
         let step = step(problem, &place, &here, damping);
         let there = problem.moved(&place, &step);
@@ -94,8 +95,9 @@ fn descend(problem: &SurfaceProblem<'_>, mut place: FitPoint, stage: FitStage) -
         // Of readings that scatter by more than they say, a standard error is larger.
         let scatter = (here.cost / here.residuals.len() as f64).max(1.0);
         // Tenfold and a tenth of it do not bring a damping back to the bit.
-        let small = if place.stream.is_empty() { SMALL } else { SMALL_OF_STREAM };
-        let done = damping < 2.0 * DAMPING && promised < small * scatter;
+        let is_free = damping < 2.0 * DAMPING;
+        let done = is_free && promised < SMALL * scatter;
+        is_near = if is_free { promised < ROUNDED * scatter } else { is_near };
         match next {
             Some(next) => {
                 (place, here) = (there, next);
@@ -107,7 +109,7 @@ fn descend(problem: &SurfaceProblem<'_>, mut place: FitPoint, stage: FitStage) -
             return Some(place);
         }
         if damping > MOST_DAMPING {
-            return (!place.stream.is_empty()).then_some(place);
+            return is_near.then_some(place);
         }
     }
     None

@@ -52,7 +52,8 @@ impl Calibration {
         table.made_from = format!("{}; speed × {scale:.4} ± {scale_u:.4} by {why}", table.made_from);
         let reynolds = table.nusselt.iter_mut().flat_map(|of| [&mut of.least_reynolds, &mut of.most_reynolds]);
         let of_card = table.card.iter_mut().flat_map(|of| [&mut of.least_reynolds, &mut of.most_reynolds]);
-        reynolds.chain(of_card).for_each(|of| *of *= scale);
+        let slowest = table.convection.iter_mut().map(|of| &mut of.slowest_reynolds);
+        reynolds.chain(of_card).chain(slowest).for_each(|of| *of *= scale);
         for share in table.uncertainty.iter_mut().flat_map(|of| &mut of.speed_share) {
             *share = share.hypot(scale_u / scale).min(1.0);
         }

@@ -4,6 +4,7 @@
 //! Refusals name the key and line of the file. The board's own checks follow, and know neither.
 
 use std::f64::consts::PI;
+use std::ops::RangeInclusive;
 
 use dr_core::model::ORDER;
 use dr_core::model::convection_observer::config::CROSS_ORDER;
@@ -13,7 +14,7 @@ use dr_core::wind::{ConvectionSettings, HeadForm, Nusselt, NusseltSurface};
 use super::checked::Calibration;
 use super::conditions::CalibrationConditions;
 use super::keys::CalibrationKeys;
-use super::table::{CalibrationTable, UncertaintyTable};
+use super::table::{CalibrationTable, ConvectionModelTable, UncertaintyTable};
 use crate::gas::{TEMPERATURE_RANGE_K, ZERO_CELSIUS_K};
 use crate::head::element::HeadElement;
 use recording::toml_file::{FileError, TomlSource};
@@ -185,6 +186,7 @@ impl Calibration {
         let made = Nusselt::new(self.table.form, &nusselt.config());
         let made = made.map_err(|error| keys.refuse("calibration.nusselt", format!("cannot be used: {error}")))?;
         let Some(convection) = convection else { return Ok(()) };
+        check_convection(keys, convection, nusselt.most_reynolds)?;
         let taken = ConvectionSettings::new(&convection.config());
         let taken = taken.and_then(|taken| made.resting_at(taken.nusselt_at_rest));
         taken.map(drop).map_err(|error| keys.refuse("calibration.convection", format!("cannot be used: {error}")))
@@ -210,6 +212,35 @@ fn check_uncertainty(keys: CalibrationKeys<'_>, of: &UncertaintyTable) -> Result
     }
     let board = of.config().checked();
     board.map(drop).map_err(|error| keys.refuse("calibration.uncertainty", format!("cannot be used: {error}")))
+}
+
+/// Ranges of what the board would refuse without a key.
+fn check_convection(keys: CalibrationKeys<'_>, of: &ConvectionModelTable, most_reynolds: f64) -> Result<(), FileError> {
+    let within = |key: &str, value: f64, range: RangeInclusive<f64>, unit: &str| {
+        keys.within(&format!("calibration.convection.{key}"), value, range, unit).map(drop)
+    };
+    within("nusselt_at_rest", of.nusselt_at_rest, 0.01..=1000.0, "")?;
+    within("slowest_reynolds", of.slowest_reynolds, 0.0..=most_reynolds, "")?;
+    within("gas_c", of.gas_c[1], GAS_C, "°C")?;
+    within("gas_c", of.gas_c[0], *GAS_C.start()..=of.gas_c[1], "°C")?;
+    within("speed_share_per_k", of.speed_share_per_k, 0.0..=1.0, "")?;
+    within("direction_deg_per_k", of.direction_deg_per_k, 0.0..=45.0, "°")?;
+    if let Some(rise) = &of.rise {
+        within("rise.gravity_m_s2", rise.gravity_m_s2, 0.0..=100.0, "m/s²")?;
+        within("rise.at_rest", rise.at_rest, 0.0..=10.0, "")?;
+        // Steeper, two winds would make one stream.
+        within("rise.decay", rise.decay, 0.0..=10_f64.min(0.95 / rise.at_rest.max(1e-6)), "")?;
+    }
+    if let Some(stem) = &of.stem {
+        within("stem.unknown_deg", stem.unknown_deg, 0.0..=90.0, "°")?;
+        for factor in stem.factor {
+            within("stem.factor", factor, 0.1..=3.0, "")?;
+        }
+        for deflection in stem.deflection {
+            within("stem.deflection", deflection, -0.9..=3.0, "")?;
+        }
+    }
+    Ok(())
 }
 
 /// Rates and what belongs to them.

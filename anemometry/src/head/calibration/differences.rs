@@ -16,7 +16,7 @@ const GAS_K: f64 = 3.0;
 const PERCENT_PER_K: f64 = 0.35;
 /// Less is not worth a word, %.
 const LEAST_PERCENT: f64 = 1.0;
-/// The same of the surfaces' temperatures.
+/// The same of overheats.
 const SURFACE_K: f64 = 3.0;
 /// Pressures within this factor have the same balance of free and forced convection.
 const PRESSURE_FACTOR: f64 = 2.0;
@@ -32,24 +32,14 @@ impl Calibration {
     ) -> Vec<String> {
         let mut found = Vec::new();
         let was = self.table.conditions.as_ref();
-        if let Some((was, is)) = was.map(|of| of.gas_c).zip(gas_c)
-            && let Some(degrees) = beyond(was, is, GAS_K)
-            && self.percent_per_k() * degrees > LEAST_PERCENT
+        found.extend(gas_c.and_then(|gas_c| self.gas_difference(gas_c)));
+        if let (Some(of), Some(surface_c), Some(gas_c)) = (was, surface_c, gas_c)
+            && let (was_k, is_k) = (middle(of.surface_c) - middle(of.gas_c), middle(surface_c) - middle(gas_c))
+            && (is_k - was_k).abs() > SURFACE_K
         {
             found.push(format!(
-                "the gas is at {}, and was at {} in the calibration: {degrees:.0} K may be {:.0} % of speed, as properties change between surface and gas",
-                celsius(is),
-                celsius(was),
-                self.percent_per_k() * degrees
-            ));
-        }
-        if let Some((was, is)) = was.map(|of| of.surface_c).zip(surface_c)
-            && let Some(degrees) = beyond(was, is, SURFACE_K)
-        {
-            found.push(format!(
-                "the surfaces are held at {}, and were at {} in the calibration: {degrees:.0} K of another overheat have other properties of the gas, and other errors of the network",
-                celsius(is),
-                celsius(was)
+                "the surfaces are held {is_k:.0} K above the gas, and were {was_k:.0} K above it in the calibration: another overheat has other \
+                 properties of the gas, and other errors of the network"
             ));
         }
         if let Some([least, most]) = was.map(|of| of.pressure_pa)
@@ -63,6 +53,21 @@ impl Calibration {
         }
         found.extend(self.moved_support(conditions.support_temperature_c));
         found
+    }
+
+    /// What another gas temperature may make, if it matters.
+    pub fn gas_difference(&self, is: [f64; 2]) -> Option<String> {
+        let was = self.table.conditions.as_ref()?.gas_c;
+        let degrees = beyond(was, is, GAS_K)?;
+        let percent = self.percent_per_k() * degrees;
+        (percent > LEAST_PERCENT).then(|| {
+            format!(
+                "the gas is at {}, and was at {} in the calibration: {degrees:.0} K may be {percent:.0} % of speed; quiescent gas of another \
+                 temperature among the calibration's records makes it less",
+                celsius(is),
+                celsius(was)
+            )
+        })
     }
 
     /// What a kelvin of another gas temperature may be, % of the speed.
@@ -87,6 +92,10 @@ impl Calibration {
 /// By how much a range goes beyond another one, if by more than `least`.
 fn beyond(was: [f64; 2], is: [f64; 2], least: f64) -> Option<f64> {
     Some((was[0] - is[0]).max(is[1] - was[1])).filter(|by| *by > least)
+}
+
+fn middle([least, most]: [f64; 2]) -> f64 {
+    0.5 * (least + most)
 }
 
 fn celsius([least, most]: [f64; 2]) -> String {
@@ -139,7 +148,10 @@ mod tests {
             warmer[0].starts_with("the gas is at -33.1 °C, and was at -53.2 °C in the calibration: 20 K may be 7 %"),
             "{warmer:?}"
         );
-        assert!(found(-53.15, -13.15, 1000.0)[0].starts_with("the surfaces are held at -13."));
+        assert!(found(-33.15, -3.15, 1000.0).len() == 1, "surfaces that follow the gas have their overheat");
+        assert!(
+            found(-53.15, -13.15, 1000.0)[0].starts_with("the surfaces are held 40 K above the gas, and were 30 K")
+        );
         assert!(found(-53.15, -23.15, 101_325.0)[0].contains("101325 Pa, and was at 1000 to 1001 Pa"));
         calibration.table.conditions = None;
         assert!(calibration.differences(&at(0.0, 1e5), Some([0.0; 2]), Some([0.0; 2])).is_empty(), "an older head");

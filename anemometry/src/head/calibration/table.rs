@@ -99,6 +99,7 @@ pub struct ConvectionModelTable {
     /// Reynolds number of the slowest wind.
     pub slowest_reynolds: f64,
     /// Least and greatest temperature of the gas, °C.
+    #[serde(deserialize_with = "exactly")]
     pub gas_c: [f64; 2],
     /// What each kelvin beyond these adds to the standard uncertainty of the speed, as its share.
     pub speed_share_per_k: f64,
@@ -129,6 +130,7 @@ pub struct RiseTable {
     /// Gravity where the head is used, m/s².
     pub gravity_m_s2: f64,
     /// Which way is up.
+    #[serde(deserialize_with = "exactly")]
     pub up: [f64; 3],
     /// Rise in quiescent gas, over √(g β ΔT d).
     pub at_rest: f64,
@@ -141,12 +143,15 @@ pub struct RiseTable {
 #[serde(deny_unknown_fields)]
 pub struct StemTable {
     /// From the head along the stem.
+    #[serde(deserialize_with = "exactly")]
     pub axis: [f64; 3],
     /// Winds from within this angle are flagged `near-stem`, °.
     pub unknown_deg: f64,
     /// Share of the speed behind it, at chords from 0 in steps of 0.1.
+    #[serde(deserialize_with = "exactly")]
     pub factor: [f64; STEM_KNOTS],
     /// Turn away from it.
+    #[serde(deserialize_with = "exactly")]
     pub deflection: [f64; STEM_KNOTS],
 }
 

@@ -65,9 +65,7 @@ pub fn equations<const N: usize>(
             if let Some((_, _, null)) = &mut last {
                 *null = spare.null;
             }
-            let angle_rad = angle_deg(wind_m_s, *last_m_s).to_radians();
-            let faster = (length(wind_m_s) / length(*last_m_s)).ln();
-            correlation = (-0.5 * (angle_rad.powi(2) + faster.powi(2)) / ALIKE.powi(2)).exp();
+            correlation = (-0.5 * distance_square(wind_m_s, *last_m_s)).exp();
         }
         let unrest = |i: usize| {
             let since = before.as_ref().map_or(0.0, |(of, ..)| slot.conductance_w_k[i] - of.conductance_w_k[i]);
@@ -82,9 +80,28 @@ pub fn equations<const N: usize>(
             variance: 1.0 / independent + (0..SECTORS).map(unrest).sum::<f64>(),
             missed,
             correlation,
+            wind_m_s,
         })
     };
     evidence.slots().iter().enumerate().map(&mut each).collect()
+}
+
+/// How many winds differ from each other by more than what is missed alike.
+pub fn distinct(equations: &[Option<SlowEquation>]) -> usize {
+    let mut winds: Vec<[f64; 3]> = Vec::new();
+    for of in equations.iter().flatten() {
+        if winds.iter().all(|known| distance_square(of.wind_m_s, *known) > 1.0) {
+            winds.push(of.wind_m_s);
+        }
+    }
+    winds.len()
+}
+
+/// d²
+fn distance_square(a: [f64; 3], b: [f64; 3]) -> f64 {
+    let angle_rad = angle_deg(a, b).to_radians();
+    let faster = (length(a) / length(b)).ln();
+    (angle_rad.powi(2) + faster.powi(2)) / ALIKE.powi(2)
 }
 
 struct LinearSlot {

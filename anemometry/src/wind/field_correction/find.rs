@@ -5,7 +5,7 @@ use dr_core::wind::slow_errors::SurfaceCorrection;
 use dr_core::wind::sphere::SECTORS;
 use serde::Serialize;
 
-use super::equations::{corrections, equations};
+use super::equations::{corrections, distinct, equations};
 use super::evidence::SlowEvidence;
 use super::open::{OpenError, open_errors};
 use super::smoother::{SlowEquation, SlowErrorsAt, SlowJump, SlowPrior, SlowSeries, doubt, smooth};
@@ -21,6 +21,10 @@ const STEADY: f64 = 3.0;
 const LEAST_STEADY: f64 = 20.0;
 /// Mean square from which on something has to be explained.
 const CONTRADICTED: f64 = 2.0;
+/// Winds that differ: with fewer any kind of error explains what contradicts.
+const LEAST_WINDS: usize = 16;
+/// Twice the logarithm of how much likelier a kind must be to be the one.
+const AS_LIKELY: f64 = 20.0;
 /// Uncertainty over the greatest error from which on it is not known which surface is wrong.
 const HIDDEN: f64 = 0.25;
 /// Standard deviations beyond which a residual counts as less.
@@ -76,9 +80,17 @@ pub enum SlowErrorsUnknown {
         "slow errors are found by the number that four surfaces round a body have to spare: this head has another form"
     )]
     NothingToSpare,
+    /// Too few winds say anything.
+    #[error(
+        "slow errors take {least} winds that differ by 17° or 30 % of speed, and the recording has fewer: record more of them"
+    )]
+    FewWinds {
+        /// So many it takes.
+        least: usize,
+    },
     /// The winds do not say which surface is wrong.
     #[error(
-        "the winds of the recording are too much alike to say which surface is wrong, so nothing can be corrected: record winds of more directions and speeds"
+        "the winds of the recording do not say which surface is wrong, so nothing can be corrected: record winds of more directions and speeds, or seek offsets or gains alone in place of both"
     )]
     WindsAlike,
     /// No estimate has a wind with a direction.
@@ -137,6 +149,9 @@ impl FieldCorrection {
             }
         }
         let count = own.iter().flatten().count();
+        if count > 0 && distinct(&own) < LEAST_WINDS {
+            return Err(SlowErrorsUnknown::FewWinds { least: LEAST_WINDS });
+        }
         let square = |of: &SlowEquation, errors: Option<&SlowErrorsAt>| {
             errors.map_or(of.value, |at| of.left(&at.errors)).powi(2) / of.own_variance()
         };
@@ -165,15 +180,18 @@ impl FieldCorrection {
         open.deviation > HIDDEN * sizes.fold(0.0, f64::max)
     }
 
-    /// The kind that makes the winds that both explain likelier; a jump has its price.
-    pub fn likelier(a: Self, b: Self) -> Self {
+    /// The kind that makes the winds that both explain likelier, and the other one if it is hardly
+    /// less likely; a jump has its price.
+    pub fn likelier(a: Self, b: Self) -> (Self, Option<Self>) {
         let common = |of: &Self, other: &Self| -> f64 {
             let pairs = of.equations.iter().zip(&other.equations);
             let slots: Vec<_> = pairs.map(|(own, other)| own.filter(|_| other.is_some())).collect();
             let series = SlowSeries { slots: &slots, slot_s: of.slot_s, jumps: &of.jumps };
             doubt(&of.prior, &series) + JUMP_EXPLAINS * of.jumps.len() as f64
         };
-        if common(&b, &a) < common(&a, &b) { b } else { a }
+        let difference = common(&b, &a) - common(&a, &b);
+        let (better, other) = if difference < 0.0 { (b, a) } else { (a, b) };
+        (better, (difference.abs() < AS_LIKELY).then_some(other))
     }
 
     /// Whether most of the contradictions are gone with these errors.
@@ -194,9 +212,10 @@ impl FieldCorrection {
         self.found.get(place).or_else(|| self.found.last())
     }
 
-    /// Corrections at a time.
+    /// Corrections at a time; nothing where the errors do not explain what contradicts.
     pub fn corrections(&self, time_s: f64) -> [SurfaceCorrection; SECTORS] {
-        self.at(time_s).map_or([SurfaceCorrection::default(); SECTORS], corrections)
+        let at = self.at(time_s).filter(|_| self.explains());
+        at.map_or([SurfaceCorrection::default(); SECTORS], corrections)
     }
 }
 

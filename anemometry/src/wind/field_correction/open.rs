@@ -52,7 +52,7 @@ pub fn open_errors<'a>(prior: &SlowPrior, known: impl Iterator<Item = &'a SlowEr
 impl fmt::Display for OpenError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (what, unit) = if self.is_gain { ("gains", "%") } else { ("heat", "mW") };
-        let of = if self.is_common { "of all surfaces alike" } else { "that differs between surfaces" };
+        let of = if self.is_common { "of all surfaces alike" } else { "other than alike" };
         write!(f, "{what} {of} (± {:.2} {unit})", self.deviation)
     }
 }

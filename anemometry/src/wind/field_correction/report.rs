@@ -28,6 +28,8 @@ pub struct SlowErrorReport {
     /// Mean squares of what contradicts, over the variance by noise and calibration, without and
     /// with the errors.
     pub chi_square: [f64; 2],
+    /// What explains as much, in words.
+    pub as_likely: Option<String>,
     /// Of every surface.
     pub surfaces: Vec<SurfaceErrorReport>,
     /// What the winds leave open, in words.
@@ -98,10 +100,11 @@ impl SlowErrorReport {
         });
         Self {
             kind: correction.kind,
-            is_applied,
+            is_applied: is_applied && correction.explains(),
             winds: correction.count,
             time_constant_s: correction.prior.time_s,
             chi_square: correction.chi_square,
+            as_likely: None,
             surfaces: names.iter().enumerate().map(surface).collect(),
             open: open_errors(&correction.prior, known.iter().map(|(_, at)| *at))
                 .iter()
@@ -114,13 +117,13 @@ impl SlowErrorReport {
 
 impl SurfaceErrorReport {
     /// Its offset or gain in words, if there is one.
-    fn words(&self, gains: bool, largest: f64) -> Option<String> {
+    fn words(&self, gains: bool, largest: f64, clear: f64) -> Option<String> {
         let (value, u, [least, most]) = match gains {
             false => (self.offset_w, self.offset_u_w, self.offset_range_w),
             true => (self.gain_change, self.gain_change_u, self.gain_range),
         };
         let size = least.abs().max(most.abs());
-        if !(size > CLEAR * u && size > NAMED * largest) {
+        if !(size > clear * u && size > NAMED * largest) {
             return None;
         }
         let (scale, unit, digits) = if gains { (1e2, "%", 1) } else { (1e3, "mW", 2) };
@@ -133,26 +136,36 @@ impl SurfaceErrorReport {
     }
 }
 
-impl fmt::Display for SlowErrorReport {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl SlowErrorReport {
+    /// Errors that are clear, a comma between them.
+    pub fn words(&self) -> String {
         let size = |[least, most]: [f64; 2]| least.abs().max(most.abs());
         let offsets = self.surfaces.iter().map(|of| size(of.offset_range_w)).fold(0.0, f64::max);
         let gains = self.surfaces.iter().map(|of| size(of.gain_range)).fold(0.0, f64::max);
         let mut words = Vec::new();
         for of in &self.surfaces {
-            words.extend(of.words(false, offsets));
-            words.extend(of.words(true, gains));
+            // What is corrected is named, clear or not: what all surfaces share makes each unclear.
+            let clear = if self.is_applied { 0.0 } else { CLEAR };
+            words.extend(of.words(false, offsets, clear));
+            words.extend(of.words(true, gains, clear));
         }
+        words.join(", ")
+    }
+}
+
+impl fmt::Display for SlowErrorReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let option = self.kind.word();
         let [before, after] = self.chi_square;
-        if words.is_empty() {
+        let list = self.words();
+        if list.is_empty() {
             return writeln!(
                 f,
-                "no slow error is clear in {} slots of wind: nothing to correct by `{option}`",
+                "no slow error is clear in {} slots of wind: nothing to correct by `{option}`; where estimates are `inconsistent`, --bandwidth \
+                 0.5 shows more than a wider one",
                 self.winds
             );
         }
-        let list = words.join(", ");
         if self.is_applied {
             writeln!(f, "corrected: {list}; contradictions, χ² {before:.1} before and {after:.1} after")?;
         } else {
@@ -160,6 +173,9 @@ impl fmt::Display for SlowErrorReport {
                 f,
                 "contradictions explained: {list}; χ² {before:.1} before and {after:.1} after, with --field-correction {option}"
             )?;
+        }
+        if let Some(other) = self.as_likely.as_ref().filter(|other| !other.is_empty()) {
+            writeln!(f, "as likely: {other}; winds of more directions and speeds would say which")?;
         }
         if !self.open.is_empty() {
             writeln!(f, "left open by these winds, and not corrected: {}", self.open.join(", "))?;

@@ -60,6 +60,8 @@ pub struct SlowEquation {
     pub missed: f64,
     /// ρ to the equation before.
     pub correlation: f64,
+    /// Wind about which it is linear, m/s.
+    pub wind_m_s: [f64; 3],
 }
 
 impl SlowEquation {
@@ -303,6 +305,7 @@ mod tests {
                 variance: 1.0,
                 missed: 1.0,
                 correlation,
+                wind_m_s: [1.0, 0.0, 0.0],
             })
         };
         (0..100).map(equation).collect()

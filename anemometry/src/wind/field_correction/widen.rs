@@ -43,7 +43,7 @@ impl FieldCorrection {
         anemometer: &Anemometer<N>,
         estimate: &WindTick,
     ) -> Option<Matrix3<f64>> {
-        let at = self.at(time_s)?;
+        let at = self.at(time_s).filter(|_| self.explains())?;
         let warm = estimate.overheat_k.iter().filter(|of| **of > 0.0);
         let overheat_k = warm.clone().sum::<f32>() / warm.count().max(1) as f32;
         let gas = anemometer.gas_at(estimate.gas_c, overheat_k)?;
