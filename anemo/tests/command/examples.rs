@@ -30,8 +30,9 @@ const FIRST: [&str; 13] = [
 
 /// What is only parsed: a user's own table, a board and its log, the emulator, a killed program,
 /// studies of minutes.
-const PARSED: [&str; 12] = [
+const PARSED: [&str; 13] = [
     "calibrate speeds.csv",
+    "head compare",
     " mast/",
     "serial:",
     "--on qemu",

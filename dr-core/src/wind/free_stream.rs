@@ -2,7 +2,7 @@
 //! rise of the gas that the head warms.
 //!
 //! ```text
-//! w_e ∝ (w·s) s + (1 + E(c)) (w − (w·s) s),  U_e = F(c) U        c = |w − s| < 0.8
+//! w_e ∝ (w·s) s + (1 + E(c)) (w − (w·s) s),  U_e = F(c) U        c = |w − s| < 1.2
 //! v_e = −U_e w_e + r ẑ,  r = a U_b / (1 + b U_e / U_b),  U_b = √(g β |ΔT| d)
 //! ```
 //!
@@ -11,7 +11,7 @@
 //! | v = −U w, v_e | wind, and the stream that the surfaces meet | m/s |
 //! | s | from the head along its stem | 1 |
 //! | c | chord between both: about the angle in rad | 1 |
-//! | F, E | share of the speed and turn away from the stem at the chord, F = 1, E = 0 beyond 0.8 | 1 |
+//! | F, E | share of the speed and turn away from the stem at the chord, F = 1, E = 0 beyond 1.2 | 1 |
 //! | ẑ | up | 1 |
 //! | a, b | rise in quiescent gas over U_b, and how the wind carries it away | 1 |
 //! | U_b | speed that a parcel would gain along the diameter, β = 1/T of an ideal gas | m/s |
@@ -30,9 +30,9 @@ use crate::arithmetic::{cross, dot, length, plus, scaled, sqrt};
 use crate::error::{self, ConfigError, Parameter, ParameterProblem};
 
 /// Number of chords from 0 on at which a stem map has values; at the next it is none.
-pub const STEM_KNOTS: usize = 8;
-/// Chord beyond which a stem does nothing: 47°.
-pub const STEM_CHORD: f32 = 0.8;
+pub const STEM_KNOTS: usize = 12;
+/// Chord beyond which a stem does nothing: 74°.
+pub const STEM_CHORD: f32 = 1.2;
 /// Halvings of an interval: to the last digits of an f32.
 const HALVINGS: u8 = 24;
 /// Step of the derivatives, as a share of the speed.

@@ -308,8 +308,8 @@ fn anemometer() -> Option<()> {
         stem: Some(StemConfig {
             axis: [0.0, 0.0, -1.0],
             unknown_chord: 0.3,
-            factor: [0.8, 0.82, 0.87, 0.93, 0.98, 1.0, 1.0, 1.0],
-            deflection: [0.4, 0.38, 0.34, 0.25, 0.13, 0.0, 0.0, 0.0],
+            factor: [0.8, 0.82, 0.87, 0.93, 0.98, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0],
+            deflection: [0.4, 0.38, 0.34, 0.25, 0.13, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
         }),
     })))?;
     send(Command::Wind(WindCommand::Output(WindOutputConfig {

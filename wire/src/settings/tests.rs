@@ -85,7 +85,7 @@ fn one_of_each() -> Vec<Setting> {
             speed_share_per_k: 0.25,
             direction_rad_per_k: 0.5,
             rise: Some(RiseConfig { gravity_m_s2: 4.0, up: [1.0; 3], at_rest: 0.5, decay: 1.0 }),
-            stem: Some(StemConfig { axis: [2.0; 3], unknown_chord: 0.25, factor: [0.75; 8], deflection: [0.125; 8] }),
+            stem: Some(StemConfig { axis: [2.0; 3], unknown_chord: 0.25, factor: [0.75; 12], deflection: [0.125; 12] }),
         })),
         Command::Wind(WindCommand::Uncertainty(CalibrationUncertainty {
             conductance_share: [0.5; 4],

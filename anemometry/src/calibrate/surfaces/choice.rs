@@ -23,7 +23,7 @@ pub const FILM: f64 = 0.5;
 const LEAST_RANGE_K: f64 = 15.0;
 /// F of the rise and of a stem map, and how many numbers each counts for.
 const RISE: (f64, f64) = (15.0, 2.0);
-const STEM: (f64, f64) = (10.0, 6.0);
+const STEM: (f64, f64) = (10.0, 8.0);
 /// Winds near the stem that a map takes.
 const LEAST_BEHIND: usize = 6;
 /// Standard uncertainties by which quiescent gas contradicts winds, rms.

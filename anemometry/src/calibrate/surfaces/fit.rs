@@ -31,6 +31,8 @@ const SMALL: f64 = 1e-3;
 /// The same where no step pays any more: dr-core's means and streams are f32, whose rounding the
 /// cost has, too.
 const ROUNDED: f64 = 0.5;
+/// The same where the stream is sought: all of it is f32.
+const ROUNDED_OF_STREAM: f64 = 5.0;
 /// Damping at which a step is too short to be one.
 const MOST_DAMPING: f64 = 1e8;
 const LEAST_DAMPING: f64 = 1e-9;
@@ -97,7 +99,8 @@ fn descend(problem: &SurfaceProblem<'_>, mut place: FitPoint, stage: FitStage) -
         // Tenfold and a tenth of it do not bring a damping back to the bit.
         let is_free = damping < 2.0 * DAMPING;
         let done = is_free && promised < SMALL * scatter;
-        is_near = if is_free { promised < ROUNDED * scatter } else { is_near };
+        let rounded = if place.stream.is_empty() { ROUNDED } else { ROUNDED_OF_STREAM };
+        is_near = if is_free { promised < rounded * scatter } else { is_near };
         match next {
             Some(next) => {
                 (place, here) = (there, next);
