@@ -161,7 +161,7 @@ impl CalibrationUncertainty {
         let along_m_s = at(&self.speed_share, place) * size_m_s;
         let across_m_s = at(&self.direction_rad, place) * size_m_s;
         let per_square = if wind.speed_m_s > 0.0 { 1.0 / square(wind.speed_m_s) } else { 0.0 };
-        // What another gas temperature leaves open is a contradiction's cause, and not widened by it.
+        // What another gas temperature leaves open causes contradictions, and is not widened.
         let whole = |known_m_s: f32, away_m_s: f32| wider * square(known_m_s) + square(away_m_s);
         let (added_along, added_across) = (whole(along_m_s, away_along_m_s), whole(across_m_s, away_across_m_s));
         let mut covariance_m2_s2 = wind.covariance_m2_s2;
