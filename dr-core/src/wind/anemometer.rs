@@ -75,10 +75,10 @@ pub struct WindTick {
     pub conductance_w_k: [f32; MOST_SURFACES],
     /// The same from the power alone, W/K.
     pub raw_w_k: [f32; MOST_SURFACES],
-    /// Variances of the conductances by the noise of the readings, W²/K²; zero as above.
-    pub variance_w2_k2: [f32; MOST_SURFACES],
-    /// Overheats of the surfaces, K; zero as above.
-    pub overheat_k: [f32; MOST_SURFACES],
+    /// Variances of the first conductances by the noise of the readings, W²/K²; zero as above.
+    pub variance_w2_k2: [f32; SECTORS],
+    /// Overheats of the first surfaces, K; zero as above.
+    pub overheat_k: [f32; SECTORS],
     /// Temperature of the gas, °C; zero if it is not known.
     pub gas_c: f32,
     /// The wind estimate.
@@ -221,7 +221,8 @@ impl<const N: usize> Anemometer<N> {
         if !tick.tick.is_multiple_of(u32::from(output.config.output_interval_ticks)) {
             return None;
         }
-        let (mut report, wind) = self.report(output, tick, convection.as_ref());
+        let mut wind = self.state.wind;
+        let mut report = self.report(output, tick, convection.as_ref(), &mut wind);
         self.state.wind = wind;
         if self.setup.uncertainty.is_some() {
             report.quality_flags = self.state.contradictions.with(report.quality_flags, output.memory_gain);
@@ -229,13 +230,14 @@ impl<const N: usize> Anemometer<N> {
         Some(report)
     }
 
-    /// The estimate at a tick, and what the next one begins with.
+    /// The estimate at a tick; `wind` becomes what the next one begins with.
     fn report(
         &self,
         output: &PreparedOutput,
         tick: &Tick<N>,
         convection: Option<&ConvectionEstimate<N>>,
-    ) -> (WindTick, WindState) {
+        wind: &mut WindState,
+    ) -> WindTick {
         let gas_c = self.gas_c(output);
         let mut quality_flags = QualityFlags::default()
             .with(QualityFlags::NOT_RUNNING, tick.state != RunState::Running)
@@ -246,8 +248,8 @@ impl<const N: usize> Anemometer<N> {
             surfaces: output.config.surfaces,
             conductance_w_k: [0.0; MOST_SURFACES],
             raw_w_k: [0.0; MOST_SURFACES],
-            variance_w2_k2: [0.0; MOST_SURFACES],
-            overheat_k: [0.0; MOST_SURFACES],
+            variance_w2_k2: [0.0; SECTORS],
+            overheat_k: [0.0; SECTORS],
             gas_c: gas_c.unwrap_or(0.0),
             wind: WindEstimate::none(),
             quality_flags,
@@ -283,18 +285,20 @@ impl<const N: usize> Anemometer<N> {
                 }
                 let variance_w2_k2 = share * share * convection.variance_w2[i];
                 report.conductance_w_k[p] = conductance_w_k;
-                report.variance_w2_k2[p] = variance_w2_k2;
-                report.overheat_k[p] = overheat_k;
+                if let (Some(variance), Some(overheat)) =
+                    (report.variance_w2_k2.get_mut(p), report.overheat_k.get_mut(p))
+                {
+                    (*variance, *overheat) = (variance_w2_k2, overheat_k);
+                }
                 measured[p] = Some(MeasuredConductance { conductance_w_k, variance_w2_k2 });
             }
         }
         let overheat_k = overheat_sum_k / warm.max(1.0);
         let gas = self.gas(gas_c, overheat_k);
         quality_flags = quality_flags.with(QualityFlags::NO_GAS, gas.is_none());
-        let mut wind = self.state.wind;
         if let (Some(head), Some(gas), Some(gas_c)) = (&output.head, gas, gas_c) {
             let WindOutputConfig { diameter_m, direction_error_max_rad, reynolds, .. } = output.config;
-            report.wind = head.step(&mut wind, &gas, &measured);
+            report.wind = head.step(wind, &gas, &measured);
             let (mut slowest, mut away) = (None, [0.0; 2]);
             if let Some(convection) = &self.setup.convection {
                 let ConvectionSettings { free_stream, slowest_reynolds, .. } = convection;
@@ -309,7 +313,7 @@ impl<const N: usize> Anemometer<N> {
             }
         }
         report.quality_flags = quality_flags.with(report.wind.quality, true);
-        (report, wind)
+        report
     }
 
     /// Ticks for which a network that was just initialised is starting: more if the heat flow of a

@@ -140,6 +140,9 @@ impl CalibrationUncertainty {
     }
 
     /// A wind with the calibration's share in its uncertainty and χ²; one that failed stays.
+    ///
+    /// Not inlined, so that its vectors are not on the stack while the inverse is.
+    #[inline(never)]
     pub fn added_to(
         &self,
         wind: WindEstimate,

@@ -147,6 +147,9 @@ impl FreeStream {
     }
 
     /// The estimate of a stream as one of the wind; one that failed stays.
+    ///
+    /// Not inlined, so that its vectors are not on the stack while the inverse is.
+    #[inline(never)]
     pub fn described(&self, met: WindEstimate, rise_speed_m_s: f32, direction_error_max_rad: f32) -> WindEstimate {
         if self.is_none() || met.quality.has(QualityFlags::FAILED) {
             return met;

@@ -120,16 +120,16 @@ impl Nusselt {
         }
     }
 
-    /// The same with another Nusselt number at rest than the form's.
+    /// Takes another Nusselt number at rest than the form's.
     ///
     /// # Errors
     /// If it is not greater than zero, or not less than that of the slowest wind.
-    pub fn resting_at(mut self, at_rest: f32) -> Result<Self, ConfigError> {
+    pub fn rest_at(&mut self, at_rest: f32) -> Result<(), ConfigError> {
         error::positive(Parameter::NusseltAtRest, at_rest)?;
         let slowest = self.rows[1][0];
         (self.at_rest, _) = error::ascending((Parameter::NusseltAtRest, at_rest), (Parameter::NusseltMean, slowest))?;
         self.join();
-        Ok(self)
+        Ok(())
     }
 
     /// Joins the points to quiescent gas.

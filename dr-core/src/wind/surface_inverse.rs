@@ -142,12 +142,12 @@ impl WindVector {
         })
     }
 
-    /// The same with another Nusselt number at rest than the form's.
+    /// Takes another Nusselt number at rest than the form's.
     ///
     /// # Errors
-    /// As [`Nusselt::resting_at`].
-    pub fn resting_at(self, nusselt_at_rest: f32) -> Result<Self, ConfigError> {
-        Ok(Self { nusselt: self.nusselt.resting_at(nusselt_at_rest)?, ..self })
+    /// As [`Nusselt::rest_at`].
+    pub fn rest_at(&mut self, nusselt_at_rest: f32) -> Result<(), ConfigError> {
+        self.nusselt.rest_at(nusselt_at_rest)
     }
 
     /// Whether it determines all components of a wind.

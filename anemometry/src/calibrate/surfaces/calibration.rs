@@ -209,10 +209,12 @@ impl SurfaceCalibration {
     pub(super) fn of_board(&self, direction_error_max_rad: f32) -> Result<BoardHead, ConfigError> {
         let surfaces: Vec<SurfaceConfig> = self.surfaces.iter().map(|of| of.config).collect();
         let diameter_m = self.diameter_m as f32;
-        let vector = WindVector::new(self.form, &self.curves.config(), &surfaces, diameter_m, direction_error_max_rad)?;
+        let mut vector =
+            WindVector::new(self.form, &self.curves.config(), &surfaces, diameter_m, direction_error_max_rad)?;
         let Some(convection) = &self.convection else { return Ok(BoardHead { vector, convection: None }) };
         let convection = ConvectionSettings::new(&convection.config())?;
-        Ok(BoardHead { vector: vector.resting_at(convection.nusselt_at_rest)?, convection: Some(convection) })
+        vector.rest_at(convection.nusselt_at_rest)?;
+        Ok(BoardHead { vector, convection: Some(convection) })
     }
 
     /// Share of the way from the gas to the surfaces at which properties are taken.

@@ -90,9 +90,9 @@ pub fn solve(head: &DrawnSurfaces, steady: &[SteadyWind]) -> Result<SurfaceCalib
         let SurfaceCalibration { residual_rms, worst, .. } = calibration;
         return Err(CalibrateError::Unexplained { residual_rms, worst });
     }
-    let curves = dr_core::wind::Nusselt::new(head.form, &calibration.curves.config())?;
+    let mut curves = dr_core::wind::Nusselt::new(head.form, &calibration.curves.config())?;
     if let Some(convection) = &calibration.convection {
-        curves.resting_at(convection.nusselt_at_rest as f32)?;
+        curves.rest_at(convection.nusselt_at_rest as f32)?;
     }
     Ok(calibration)
 }

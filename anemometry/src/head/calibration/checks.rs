@@ -184,12 +184,12 @@ impl Calibration {
         }
         let Some(nusselt) = nusselt else { return Ok(()) };
         let made = Nusselt::new(self.table.form, &nusselt.config());
-        let made = made.map_err(|error| keys.refuse("calibration.nusselt", format!("cannot be used: {error}")))?;
+        let mut made = made.map_err(|error| keys.refuse("calibration.nusselt", format!("cannot be used: {error}")))?;
         let Some(convection) = convection else { return Ok(()) };
         check_convection(keys, convection, nusselt.most_reynolds)?;
         let taken = ConvectionSettings::new(&convection.config());
-        let taken = taken.and_then(|taken| made.resting_at(taken.nusselt_at_rest));
-        taken.map(drop).map_err(|error| keys.refuse("calibration.convection", format!("cannot be used: {error}")))
+        let taken = taken.and_then(|taken| made.rest_at(taken.nusselt_at_rest));
+        taken.map_err(|error| keys.refuse("calibration.convection", format!("cannot be used: {error}")))
     }
 
     fn knows(&self, element: usize) -> bool {

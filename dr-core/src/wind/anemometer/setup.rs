@@ -120,7 +120,7 @@ impl AnemometerSetup {
         let of_head = configs.get(..usize::from(config.surfaces)).unwrap_or_default();
         let mut vector = WindVector::new(self.form, &nusselt, of_head, size_m, most_rad)?;
         if let Some(convection) = &self.convection {
-            vector = vector.resting_at(convection.nusselt_at_rest)?;
+            vector.rest_at(convection.nusselt_at_rest)?;
             if !convection.free_stream.is_none() && !vector.is_complete() {
                 // What such a head leaves open has no direction to be turned or raised.
                 return Err(error::out_of_range(Parameter::Parts, 4.0, MOST_SURFACES as f32));
