@@ -1,14 +1,14 @@
 //! An experiment judged as it is, and again with its slow errors corrected.
 
-use anemometry::head::{Head, WindOutput};
+use anemometry::head::Head;
 use anemometry::wind::field_correction::{FieldCorrection, SlowErrorKind, SlowEvidence};
 use anemometry::wind::live::LiveRows;
 use anemometry::wind::moment::Moment;
-use anemometry::wind::off_line::OffLineAnemometer;
 use host_sim::experiment::Experiment;
 use wire::WindSample;
 
 use super::wind::WindMode;
+use super::wind::blown::beside;
 use crate::thesis::StudyError;
 use crate::thesis::record::rows;
 
@@ -31,7 +31,7 @@ pub fn blow_corrected(
         Ok(())
     })?;
     let mut evidence = SlowEvidence::default();
-    let mut first = anemometer(experiment, head, mode)?;
+    let mut first = beside(experiment, head, mode)?;
     for moment in &moments {
         if let Some(estimate) = first.step_whole(&moment.tick) {
             evidence.add(moment.time_s, &estimate);
@@ -40,7 +40,7 @@ pub fn blow_corrected(
     }
     let correction = FieldCorrection::find(&evidence, first.anemometer(), kind, mode.bandwidth_hz)
         .map_err(|error| StudyError::Other(error.to_string()))?;
-    let mut second = anemometer(experiment, head, mode)?;
+    let mut second = beside(experiment, head, mode)?;
     for moment in &moments {
         second.correct(correction.corrections(moment.time_s));
         if let Some(estimate) = second.step_whole(&moment.tick) {
@@ -50,20 +50,4 @@ pub fn blow_corrected(
         }
     }
     Ok(())
-}
-
-fn anemometer<'a>(
-    experiment: &Experiment,
-    head: &'a Head,
-    mode: WindMode,
-) -> Result<OffLineAnemometer<'a>, StudyError> {
-    let none = || StudyError::Other(format!("head `{}` has no calibration", head.name));
-    let calibration = head.calibration.as_ref().ok_or_else(none)?;
-    let period_s = experiment.sample_period_s;
-    let output = WindOutput::new(Some(mode.bandwidth_hz), None, mode.fixed, period_s);
-    let mut anemometer = OffLineAnemometer::new(head, calibration, &output, period_s)
-        .map_err(|error| StudyError::Other(error.to_string()))?;
-    let told_c = calibration.reference.is_none().then_some(experiment.gas_temperature_c as f32);
-    anemometer.gas(experiment.pressure_pa as f32, told_c).map_err(|error| StudyError::Other(error.to_string()))?;
-    Ok(anemometer)
 }

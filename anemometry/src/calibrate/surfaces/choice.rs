@@ -16,9 +16,8 @@ use super::readings::{self, DrawnSurfaces};
 use super::solve::solve;
 use super::sought::{Gravity, SoughtConvection};
 use super::stream::is_behind;
+use crate::head::calibration::PropertyTemperature;
 
-/// Half-way between gas and surfaces.
-pub const FILM: f64 = 0.5;
 /// Temperatures of quiescent gas that differ by less say nothing of properties and rest, K.
 const LEAST_RANGE_K: f64 = 15.0;
 /// F of the rise and of a stem map, and how many numbers each counts for.
@@ -56,10 +55,11 @@ pub fn chosen(
     let winds = readings::winds(&ready, steady)?;
     let still = winds.iter().filter(|wind| wind.is_quiescent());
     let is_rest_sought = range(still.map(|wind| wind.gas_k)) > LEAST_RANGE_K;
+    let film_share = PropertyTemperature::Film.film_share();
     let shares = match options.film_share {
         Some(share) => vec![share],
-        None if is_rest_sought => vec![FILM, 0.0],
-        None => vec![FILM],
+        None if is_rest_sought => vec![film_share, 0.0],
+        None => vec![film_share],
     };
     let mut best: Option<Candidate<'_>> = None;
     for film_share in shares {

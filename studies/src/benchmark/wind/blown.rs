@@ -23,19 +23,9 @@ pub fn blow(
     modes: &[WindMode],
     each: &mut dyn FnMut(usize, &Moment, &WindSample),
 ) -> Result<(), StudyError> {
-    let none = || StudyError::Other(format!("head `{}` has no calibration", head.name));
-    let calibration = head.calibration.as_ref().ok_or_else(none)?;
-    let period_s = experiment.sample_period_s;
-    let told_c = calibration.reference.is_none().then_some(experiment.gas_temperature_c as f32);
-    let mut anemometers = Vec::with_capacity(modes.len());
-    for mode in modes {
-        let answering = WindOutput::new(Some(mode.bandwidth_hz), None, mode.fixed, period_s);
-        let mut anemometer = OffLineAnemometer::new(head, calibration, &answering, period_s)
-            .map_err(|error| StudyError::Other(error.to_string()))?;
-        anemometer.gas(experiment.pressure_pa as f32, told_c).map_err(|error| StudyError::Other(error.to_string()))?;
-        anemometers.push(anemometer);
-    }
-    let mut live = LiveRows::new(period_s);
+    let anemometers = modes.iter().map(|mode| beside(experiment, head, *mode));
+    let mut anemometers: Vec<OffLineAnemometer<'_>> = anemometers.collect::<Result<_, _>>()?;
+    let mut live = LiveRows::new(experiment.sample_period_s);
     rows(experiment, &mut |row| {
         let moment = live.moment(row);
         for (place, anemometer) in anemometers.iter_mut().enumerate() {
@@ -45,6 +35,26 @@ pub fn blow(
         }
         Ok(())
     })
+}
+
+/// An anemometer of the calibrated head beside a run of an experiment, with its gas.
+///
+/// # Errors
+/// If the head has no calibration, or the bandwidth cannot be had.
+pub fn beside<'a>(
+    experiment: &Experiment,
+    head: &'a Head,
+    mode: WindMode,
+) -> Result<OffLineAnemometer<'a>, StudyError> {
+    let none = || StudyError::Other(format!("head `{}` has no calibration", head.name));
+    let calibration = head.calibration.as_ref().ok_or_else(none)?;
+    let period_s = experiment.sample_period_s;
+    let output = WindOutput::new(Some(mode.bandwidth_hz), None, mode.fixed, period_s);
+    let mut anemometer = OffLineAnemometer::new(head, calibration, &output, period_s)
+        .map_err(|error| StudyError::Other(error.to_string()))?;
+    let gas_c = calibration.reference.is_none().then_some(experiment.gas_temperature_c as f32);
+    anemometer.gas(experiment.pressure_pa as f32, gas_c).map_err(|error| StudyError::Other(error.to_string()))?;
+    Ok(anemometer)
 }
 
 /// Mean of the raw conductances of the parts that are measured, W/K.
