@@ -17,7 +17,8 @@ use crate::head::output::WindOutput;
 #[derive(Debug, Clone)]
 pub struct OffLineAnemometer<'a> {
     head: &'a Head,
-    anemometer: Anemometer<MOST_ELEMENTS>,
+    /// Hundreds of kilobytes, which copies on a thread's stack would not leave room for.
+    anemometer: Box<Anemometer<MOST_ELEMENTS>>,
     sample_period_s: f32,
     /// Why the bandwidth stays fixed although it was to rise after a jump of the wind.
     pub fixed: Option<String>,
@@ -40,9 +41,9 @@ impl<'a> OffLineAnemometer<'a> {
             line: None,
             sentence: error.to_string(),
         })?;
-        let (anemometer, fixed) = (Anemometer::default(), observer.fixed);
+        let (anemometer, fixed) = (Box::<Anemometer<MOST_ELEMENTS>>::default(), observer.fixed);
         let mut own = Self { head, anemometer, sample_period_s: sample_period_s as f32, fixed };
-        head.set_up(&mut own.anemometer, &commands, sample_period_s)?;
+        head.set_up(own.anemometer.as_mut(), &commands, sample_period_s)?;
         Ok(own)
     }
 
@@ -67,12 +68,12 @@ impl<'a> OffLineAnemometer<'a> {
     }
 
     /// The anemometer itself.
-    pub const fn anemometer(&self) -> &Anemometer<MOST_ELEMENTS> {
+    pub fn anemometer(&self) -> &Anemometer<MOST_ELEMENTS> {
         &self.anemometer
     }
 
     /// Corrects slow errors of the first surfaces from now on.
-    pub const fn correct(&mut self, corrections: [SurfaceCorrection; SECTORS]) {
+    pub fn correct(&mut self, corrections: [SurfaceCorrection; SECTORS]) {
         self.anemometer.correct(Some(corrections));
     }
 
