@@ -9,7 +9,7 @@ use recording::head_mounting::{HeadMounting, direction};
 pub struct MountingArguments {
     /// Compass direction of the head's x axis, degrees clockwise from north, in place of
     /// `heading_deg`.
-    #[arg(long, value_name = "DEGREES")]
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     pub heading: Option<f64>,
     /// What points up in the head's frame, in place of `up`: 0,0,1 of a head that stands upright,
     /// 0,0,-1 of one that hangs.

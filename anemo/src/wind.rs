@@ -9,6 +9,7 @@ use crate::recorded::RecordingOutputs;
 use anemometry::head::{Head, WindOutput};
 use anemometry::wind::error::WindError;
 use anemometry::wind::field_correction::{FieldCorrection, SlowErrorKind};
+use anemometry::wind::gas_uncertainty::GasUncertainty;
 use anemometry::wind::given_winds;
 use anemometry::wind::{EstimatedWind, WindEstimation, WindOptions};
 use recording::head_mounting::{HeadMounting, earth_numbers};
@@ -67,6 +68,12 @@ pub struct Arguments {
     /// Gas pressure, Pa; by default the recording's.
     #[arg(long, value_name = "PA")]
     pressure: Option<f64>,
+    /// Standard uncertainty of the gas temperature, K: goes into those of the wind.
+    #[arg(long, value_name = "K")]
+    gas_uncertainty: Option<f64>,
+    /// Standard uncertainty of the gas pressure, Pa: goes into those of the wind.
+    #[arg(long, value_name = "PA")]
+    pressure_uncertainty: Option<f64>,
     #[command(flatten)]
     mounting: MountingArguments,
     /// True winds by label, a .csv or .parquet file as of `anemo calibrate`, for the errors.
@@ -122,6 +129,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         interval_s: arguments.every,
         gas_temperature: arguments.gas_temperature.clone(),
         pressure_pa: arguments.pressure,
+        gas_uncertainty: GasUncertainty {
+            pressure_pa: arguments.pressure_uncertainty,
+            temperature_k: arguments.gas_uncertainty,
+        },
         from_s: arguments.from,
         settle_s: arguments.settle,
     };
@@ -187,6 +198,13 @@ fn check(arguments: &Arguments) -> Result<(), Failure> {
         ("--from", Some(arguments.from)),
         ("--settle", Some(arguments.settle)),
     ])?;
+    for (option, value) in
+        [("--gas-uncertainty", arguments.gas_uncertainty), ("--pressure-uncertainty", arguments.pressure_uncertainty)]
+    {
+        if let Some(value) = value.filter(|value| !(value.is_finite() && *value >= 0.0)) {
+            return Err(Failure::usage(format!("{option} {value} must not be negative")));
+        }
+    }
     if !WindOutput::BANDWIDTHS_HZ.contains(&arguments.bandwidth) {
         return Err(Failure::usage(format!("--bandwidth {} must lie between 0.5 and 50 Hz", arguments.bandwidth)));
     }

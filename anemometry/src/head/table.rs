@@ -42,7 +42,7 @@ pub(super) struct AdcTable {
 pub struct GuardTable {
     /// Fresh readings that may be missing in a row.
     pub missing_limit_ticks: u32,
-    /// How long a regulated element may request one level only, s.
+    /// How long a regulated element may request the high level only, s.
     pub unreachable_limit_s: f64,
     /// Equal readings in a row that trip; 0: never.
     #[serde(default)]

@@ -106,6 +106,7 @@ impl Averager<'_> {
             begin_s,
             end_s: begin_s + interval_s,
             valid_share: estimates.share(interval_s),
+            left_out_by: estimates.left_out_by(interval_s),
             statistics: estimates.statistics(begin_s, interval_s, self.eddy.as_ref()),
             truth: truth.statistics(begin_s, interval_s, self.eddy.as_ref()),
         });

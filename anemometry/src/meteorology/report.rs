@@ -13,6 +13,9 @@ use super::wind_series::{LEAST_SHARE, WindStatistics};
 
 /// Intervals and reasons that a report names.
 const MOST_NAMED: usize = 6;
+/// Turbulence intensity from which on standard deviations are compared: in a steady wind they are
+/// those of noise.
+const LEAST_TURBULENCE: f64 = 0.01;
 
 /// An interval.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -23,6 +26,8 @@ pub struct MeanInterval {
     pub end_s: f64,
     /// Share of the estimates that count.
     pub valid_share: f64,
+    /// The flag for which most of the others do not; none where more rows lack.
+    pub left_out_by: Option<&'static str>,
     /// None where too few estimates count.
     pub statistics: Option<WindStatistics>,
     /// The same of the true wind, where it is known.
@@ -36,7 +41,7 @@ pub struct MeteorologyComparison {
     pub intervals: usize,
     /// Mean and rms of the relative error of the mean speed.
     pub mean_speed: [f64; 2],
-    /// The same of its standard deviation.
+    /// The same of its standard deviation, where the wind had one; NaN where it never had.
     pub speed_sd: [f64; 2],
     /// The same of the gust.
     pub gust: [f64; 2],
@@ -150,15 +155,18 @@ impl MeteorologyComparison {
         let intervals = pairs().count();
         let relative =
             |number: Number| summary(pairs().filter_map(|(found, truth)| Some(number(found)? / number(truth)? - 1.0)));
+        let gusty = || pairs().filter(|(_, truth)| truth.turbulence_intensity >= LEAST_TURBULENCE);
+        let of_gusty =
+            |number: Number| summary(gusty().filter_map(|(found, truth)| Some(number(found)? / number(truth)? - 1.0)));
         let turn = |deg: f64| (deg + 180.0).rem_euclid(360.0) - 180.0;
         let directions = pairs().filter_map(|(found, truth)| Some(turn(found.wind_from_deg? - truth.wind_from_deg?)));
         (intervals > 0).then(|| Self {
             intervals,
             mean_speed: relative(|of| Some(of.mean_speed_m_s)),
-            speed_sd: relative(|of| Some(of.speed_sd_m_s)),
+            speed_sd: of_gusty(|of| Some(of.speed_sd_m_s)),
             gust: relative(|of| of.gust_m_s),
             direction_deg: summary(directions),
-            direction_sd: relative(|of| of.direction_sd_deg),
+            direction_sd: of_gusty(|of| of.direction_sd_deg),
         })
     }
 }
@@ -187,7 +195,7 @@ impl fmt::Display for MeteorologyReport {
         write!(f, "{}", self.table())?;
         let left_out = self.intervals.iter().filter(|of| of.statistics.is_none());
         let left_out: Vec<String> =
-            left_out.map(|of| format!("{} s ({:.0} %)", tidy(of.begin_s), 100.0 * of.valid_share)).collect();
+            left_out.map(|of| format!("{} s ({:.0} %{})", tidy(of.begin_s), 100.0 * of.valid_share, of.cause())).collect();
         if !left_out.is_empty() {
             let intervals = count(left_out.len(), "interval");
             let least = 100.0 * LEAST_SHARE;
@@ -199,7 +207,10 @@ impl fmt::Display for MeteorologyReport {
         }
         self.fluxes(f)?;
         if let Some(comparison) = &self.comparison {
-            let of = |[mean, rms]: [f64; 2]| format!("{:+.1} % in the mean, {:.1} % rms", 100.0 * mean, 100.0 * rms);
+            let of = |[mean, rms]: [f64; 2]| match mean.is_nan() {
+                true => "nothing to compare with".to_owned(),
+                false => format!("{:+.1} % in the mean, {:.1} % rms", 100.0 * mean, 100.0 * rms),
+            };
             writeln!(f, "\ncompared with the true wind, {}", count(comparison.intervals, "interval"))?;
             writeln!(f, "  mean speed          {}", of(comparison.mean_speed))?;
             let [mean_deg, rms_deg] = comparison.direction_deg;
@@ -212,6 +223,13 @@ impl fmt::Display for MeteorologyReport {
             writeln!(f, "\nwritten to {}", path.display())?;
         }
         Ok(())
+    }
+}
+
+impl MeanInterval {
+    /// Why estimates do not count, in words.
+    fn cause(&self) -> String {
+        self.left_out_by.map_or_else(|| ", few rows".to_owned(), |flag| format!(", `{flag}`"))
     }
 }
 

@@ -4,7 +4,7 @@ use dr_core::wind::QualityFlags;
 use recording::head_mounting::from_deg;
 use serde::Serialize;
 
-use super::counted::{direction_counts, speed_counts, vector_counts};
+use super::counted::{direction_counts, most_left_out, speed_counts, vector_counts};
 use super::direction::standard_deviation_deg;
 use super::eddy::{EddyFluxes, EddyOptions, fluxes};
 use super::gust::peak_gust_m_s;
@@ -82,6 +82,15 @@ impl EstimateSeries {
     pub fn share(&self, interval_s: f64) -> f64 {
         let counted = self.counted().count() as f64;
         self.step_s().map_or(0.0, |step_s| (counted * step_s / interval_s).min(1.0))
+    }
+
+    /// The flag for which most estimates of an interval do not count; none where more lack.
+    pub fn left_out_by(&self, interval_s: f64) -> Option<&'static str> {
+        let rows = self.entries.len() as f64;
+        let lacking = interval_s / self.step_s()? - rows;
+        let left_out = self.entries.iter().filter(|of| !speed_counts(of.flags));
+        let is_most = left_out.clone().count() as f64 >= lacking;
+        is_most.then(|| most_left_out(left_out.map(|of| of.flags))).flatten()
     }
 
     fn counted(&self) -> impl Iterator<Item = &SeriesEntry> {

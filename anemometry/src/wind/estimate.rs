@@ -12,6 +12,7 @@ use super::comparison::WindComparison;
 use super::error::WindError;
 use super::field_correction::{FieldCorrection, SlowErrorKind, SlowErrorReport, SlowErrorsUnknown, SlowEvidence};
 use super::gas_input::{GasInput, temperature_column};
+use super::gas_uncertainty::{GasReadingErrors, GasUncertainty};
 use super::given_winds::GivenWinds;
 use super::level_record::LevelRecord;
 use super::moment::{Moment, TickOrigin};
@@ -50,6 +51,8 @@ pub struct WindOptions {
     pub gas_temperature: Option<String>,
     /// Pressure of the gas, Pa; by default the recording's.
     pub pressure_pa: Option<f64>,
+    /// Standard uncertainties of the two.
+    pub gas_uncertainty: GasUncertainty,
     /// Estimates before this time do not count in the report, s.
     pub from_s: f64,
     /// Of every stretch of one label, so many seconds do not count in the report.
@@ -78,6 +81,7 @@ pub struct WindEstimation<'a> {
     winds: Option<&'a GivenWinds>,
     replay: Replay,
     anemometer: OffLineAnemometer<'a>,
+    gas_errors: GasReadingErrors<'a>,
     /// Pressure and temperature of the gas.
     pub gas: GasInput,
     axes: Vec<[f64; 3]>,
@@ -113,8 +117,10 @@ impl<'a> WindEstimation<'a> {
         let replay = Replay::open(recording, head, temperature_column(options.gas_temperature.as_deref()))?;
         let output = output(options, replay.sample_period_s)?;
         let anemometer = OffLineAnemometer::new(head, calibration, &output, replay.sample_period_s)?;
+        let uncertainty = options.gas_uncertainty;
+        let gas_errors = GasReadingErrors::new(uncertainty, head, calibration, &output, replay.sample_period_s)?;
         let given = (options.pressure_pa, options.gas_temperature.as_deref());
-        let gas = GasInput::new(given, head, calibration, recording, &replay)?;
+        let gas = GasInput::new(given, uncertainty, head, calibration, recording, &replay)?;
         let mut warnings = gas.warnings.clone();
         if let Some(conditions) = &replay.conditions {
             let of = Conditions { pressure_pa: gas.pressure_pa(), ..conditions.clone() };
@@ -132,6 +138,7 @@ impl<'a> WindEstimation<'a> {
             winds,
             replay,
             anemometer,
+            gas_errors,
             gas,
             axes: axes(head, calibration),
             label: None,
@@ -214,15 +221,22 @@ impl<'a> WindEstimation<'a> {
             if begun_s == moment.time_s {
                 self.label = Some((moment.event.clone(), begun_s));
             }
-            self.gas.set(&mut self.anemometer, &moment)?;
+            if let Some((pressure_pa, gas_c)) = self.gas.changed(&moment) {
+                self.anemometer.gas(pressure_pa, gas_c)?;
+                self.gas_errors.gas(pressure_pa, gas_c)?;
+            }
             if moment.known != TickOrigin::Missing {
                 self.levels.add(&moment.tick);
             }
             if let Some(correction) = &self.correction {
-                self.anemometer.correct(correction.corrections(moment.time_s));
+                let corrections = correction.corrections(moment.time_s);
+                self.anemometer.correct(corrections);
+                self.gas_errors.correct(corrections);
             }
-            let Some(estimate) = self.anemometer.step_whole(&moment.tick) else { continue };
-            let mut sample = WindSample::from(&estimate);
+            let estimate = self.anemometer.step_whole(&moment.tick);
+            let mut sample = estimate.as_ref().map(WindSample::from);
+            self.gas_errors.step(&moment.tick, sample.as_mut());
+            let (Some(estimate), Some(mut sample)) = (estimate, sample) else { continue };
             match moment.known {
                 TickOrigin::Recorded => {}
                 TickOrigin::AfterGap => sample.quality_flags = sample.quality_flags.with(QualityFlags::STARTING, true),

@@ -9,8 +9,8 @@ use recording::{GAS_TEMPERATURE, Metadata};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::error::GasInputError;
+use super::gas_uncertainty::GasUncertainty;
 use super::moment::Moment;
-use super::off_line::OffLineAnemometer;
 use super::replay::Replay;
 use crate::gas::{GasError, ZERO_CELSIUS_K, check_pressure, check_temperature};
 use crate::head::calibration::checked::Calibration;
@@ -33,6 +33,8 @@ pub struct GasInput {
     species: &'static str,
     pressure_pa: f64,
     temperature: TemperatureSource,
+    /// As an option says.
+    uncertainty: GasUncertainty,
     last: Option<f32>,
     has_begun: bool,
     /// Where an option contradicts the recording.
@@ -52,6 +54,7 @@ impl GasInput {
     /// If a number is missing or no gas has it, or the head is calibrated for another gas.
     pub fn new(
         (pressure_pa, temperature): (Option<f64>, Option<&str>),
+        uncertainty: GasUncertainty,
         head: &Head,
         calibration: &Calibration,
         recording: &Path,
@@ -124,24 +127,20 @@ impl GasInput {
                 ));
             }
         }
-        Ok(Self { species, pressure_pa, temperature, last: None, has_begun: false, warnings })
+        Ok(Self { species, pressure_pa, temperature, uncertainty, last: None, has_begun: false, warnings })
     }
 
-    /// Sets the anemometer's gas before a tick, whenever it has changed.
-    ///
-    /// # Errors
-    /// If the board refuses a number.
-    pub fn set(&mut self, anemometer: &mut OffLineAnemometer<'_>, moment: &Moment) -> Result<(), GasInputError> {
+    /// Pressure, Pa, and temperature, °C, where no element measures it, if they have changed since
+    /// the last tick.
+    pub fn changed(&mut self, moment: &Moment) -> Option<(f32, Option<f32>)> {
         let now = match &self.temperature {
             TemperatureSource::Constant(celsius) => Some(*celsius as f32),
             TemperatureSource::Column(_) => moment.gas_c.map(|celsius| celsius as f32),
             TemperatureSource::Element(_) => None,
         };
-        if self.has_begun && now == self.last {
-            return Ok(());
-        }
+        let is_as_before = self.has_begun && now == self.last;
         (self.has_begun, self.last) = (true, now);
-        anemometer.gas(self.pressure_pa as f32, now)
+        (!is_as_before).then_some((self.pressure_pa as f32, now))
     }
 
     /// Its pressure, Pa.
@@ -157,7 +156,10 @@ impl GasInput {
         };
         let pairs =
             [("gas_species", self.species.to_owned()), ("gas_pressure_pa", self.pressure_pa.to_string()), (key, value)];
-        pairs.map(|(key, value)| (key.to_owned(), value)).into()
+        let GasUncertainty { pressure_pa, temperature_k } = self.uncertainty;
+        let uncertain = [("gas_pressure_uncertainty_pa", pressure_pa), ("gas_temperature_uncertainty_k", temperature_k)];
+        let uncertain = uncertain.into_iter().filter_map(|(key, value)| Some((key, value?.to_string())));
+        pairs.into_iter().chain(uncertain).map(|(key, value)| (key.to_owned(), value)).collect()
     }
 
     /// Its temperature, where it is one number, °C.
@@ -179,7 +181,9 @@ impl Serialize for GasInput {
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("species", self.species)?;
         map.serialize_entry("pressure_pa", &self.pressure_pa)?;
+        map.serialize_entry("pressure_uncertainty_pa", &self.uncertainty.pressure_pa)?;
         map.serialize_entry("temperature_c", &self.constant_c())?;
+        map.serialize_entry("temperature_uncertainty_k", &self.uncertainty.temperature_k)?;
         map.serialize_entry("temperature_from", &self.from())?;
         map.end()
     }
@@ -187,11 +191,14 @@ impl Serialize for GasInput {
 
 impl fmt::Display for GasInput {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} of {} Pa, ", self.species, self.pressure_pa)?;
+        let GasUncertainty { pressure_pa, temperature_k } = self.uncertainty;
+        let with = |uncertainty: Option<f64>| uncertainty.map_or_else(String::new, |of| format!(" ± {of}"));
+        write!(f, "{} of {}{} Pa, ", self.species, self.pressure_pa, with(pressure_pa))?;
+        let kelvin = temperature_k.map_or_else(String::new, |of| format!(" ± {of} K"));
         match &self.temperature {
-            TemperatureSource::Constant(celsius) => write!(f, "{celsius} °C"),
-            TemperatureSource::Column(name) => write!(f, "its temperature from column `{name}`"),
-            TemperatureSource::Element(name) => write!(f, "its temperature by element `{name}`"),
+            TemperatureSource::Constant(celsius) => write!(f, "{celsius}{} °C", with(temperature_k)),
+            TemperatureSource::Column(name) => write!(f, "its temperature from column `{name}`{kelvin}"),
+            TemperatureSource::Element(name) => write!(f, "its temperature by element `{name}`{kelvin}"),
         }
     }
 }

@@ -9,6 +9,7 @@
 //! | [`live`] | rows of a run while it goes on, as ticks |
 //! | `level_record` | elements that no loop holds |
 //! | [`gas_input`] | pressure and temperature of the gas |
+//! | [`gas_uncertainty`] | what their uncertainty does to a wind |
 //! | [`given_winds`] | a table of true winds |
 //! | [`comparison`] | errors against the true wind |
 //! | [`field_correction`] | slow errors found by the redundancy of four surfaces |
@@ -21,6 +22,7 @@ pub mod error;
 pub mod estimate;
 pub mod field_correction;
 pub mod gas_input;
+pub mod gas_uncertainty;
 pub mod given_winds;
 mod level_record;
 pub mod live;

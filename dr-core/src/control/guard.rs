@@ -8,7 +8,7 @@
 //! | `OverTemperature` | temperature above its limit | 1 tick |
 //! | `NonFinite` | a number inside is not one | 1 tick |
 //! | `Missing`, `Stale` | no reading, or none newer than the last tick's | `missing_limit_ticks`; low level meanwhile |
-//! | `Unreachable` | a regulating drive has requested one level all the time | `unreachable_limit_ticks` |
+//! | `Unreachable` | a regulating drive has requested the high level all the time, or a power lies outside the levels | `unreachable_limit_ticks` |
 //! | `Unreachable` | an element at the high level, in any drive, has not become warmer | the board's [`no_rise_s`](super::HardwareLimits::no_rise_s) |
 //! | `Stuck` | a driven element's code has not changed at all: the converter repeats itself | `stuck_limit_ticks` |
 //! | `Energy` | an element's energy exceeds its budget ([`energy`](super::energy)) | 1 tick |

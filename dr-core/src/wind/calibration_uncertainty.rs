@@ -32,7 +32,8 @@
 //!
 //! A gas temperature that no calibration has had adds its own shares, which are not widened.
 //!
-//! *Limits.* The errors of gas and pressure readings are not in it.
+//! *Limits.* The errors of gas and pressure readings are not in it; the host's program adds them
+//! where they are stated.
 
 use super::estimate::WindEstimate;
 use super::quality_flags::QualityFlags;

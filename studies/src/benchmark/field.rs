@@ -22,14 +22,16 @@ use crate::thesis::{StudyError, StudyLab};
 
 /// Of the first specimen.
 const SEED: u64 = 41;
-/// Names of the experiments of `experiments/field`, each with what is otherwise in it, and by what
-/// it is corrected.
-const EFFECTS: [(&str, &str, Option<SlowErrorKind>); 4] = [
-    ("sun", "sun, up to 3 mW, turning", Some(SlowErrorKind::Offsets)),
-    ("surface-heat", "3 mW on one sector, from half way", Some(SlowErrorKind::Offsets)),
-    ("sky", "sky of 180 K, emissivity 0.13", Some(SlowErrorKind::Offsets)),
-    ("drifts", "gain −5 %, R₀ +0.01 %, contact −20 %, one sector each", Some(SlowErrorKind::Gains)),
+/// Names of the experiments of `experiments/field`, each with what is otherwise in it, by what it is
+/// corrected, and with which standard uncertainty of its gas, K.
+const EFFECTS: [(&str, &str, SlowErrorKind, Option<f64>); 4] = [
+    ("sun", "sun, up to 3 mW, turning", SlowErrorKind::Offsets, None),
+    ("surface-heat", "3 mW on one sector, from half way", SlowErrorKind::Offsets, None),
+    ("sky", "sky of 180 K, emissivity 0.13", SlowErrorKind::Offsets, Some(SKY_K)),
+    ("drifts", "gain −5 %, R₀ +0.01 %, contact −20 %, one sector each", SlowErrorKind::Gains, None),
 ];
+/// What is known of a gas that a reference in sight of the sky reads, K.
+const SKY_K: f64 = 0.5;
 
 /// A tenth of a turn in the time of the experiment.
 const SLOW_SUN_S: f64 = 12_000.0;
@@ -72,29 +74,30 @@ pub fn measure(experiments: &Path, specimens: u64, progress: &dyn Fn(&str)) -> R
         field: FieldEffects { sun: Some(slow), ..FieldEffects::default() },
         ..sun.clone()
     };
-    let (offsets, gains) = (Some(SlowErrorKind::Offsets), Some(SlowErrorKind::Gains));
+    let (offsets, gains) = (Some((SlowErrorKind::Offsets, None)), Some((SlowErrorKind::Gains, None)));
     let mut cases = vec![
         ("nothing".to_owned(), with("Sphere B: nothing is otherwise", Vec::new()), offsets),
         ("gain of one sector −5 %".to_owned(), with("Sphere B: a coating on one sector", vec![gain]), gains),
         ("sun, up to 3 mW, turning ten times slower".to_owned(), slow_sun, offsets),
     ];
-    for (name, effect, kind) in EFFECTS {
-        cases.push((effect.to_owned(), field.experiment(name)?, kind));
+    for (name, effect, kind, gas_k) in EFFECTS {
+        cases.push((effect.to_owned(), field.experiment(name)?, Some((kind, gas_k))));
     }
     let mut tallies = vec![[EffectTally::default(), EffectTally::default()]; cases.len()];
     for seed in (SEED..).take(specimens as usize) {
         let head = calibrated(&quick, seed)?;
-        for ((_, experiment, kind), tallies) in cases.iter().zip(&mut tallies) {
+        for ((_, experiment, correction), tallies) in cases.iter().zip(&mut tallies) {
             let experiment = Experiment { seed, ..experiment.clone() };
             field.announce(&experiment);
-            judge(&experiment, &head, *kind, tallies)?;
+            judge(&experiment, &head, *correction, tallies)?;
         }
     }
     let mut effects = Vec::new();
-    for ((effect, _, kind), [as_it_is, corrected]) in cases.iter().zip(&tallies) {
+    for ((effect, _, correction), [as_it_is, corrected]) in cases.iter().zip(&tallies) {
         effects.push(as_it_is.figures(effect));
-        if let Some(kind) = kind {
-            effects.push(corrected.figures(&format!("… corrected: {}", kind.word())));
+        if let Some((kind, gas_k)) = correction {
+            let gas = gas_k.map_or_else(String::new, |kelvin| format!(", gas ± {kelvin} K"));
+            effects.push(corrected.figures(&format!("… corrected: {}{gas}", kind.word())));
         }
     }
     let own = StudyLab::new(experiments.join("../field/own"), progress);

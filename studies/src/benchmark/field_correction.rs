@@ -2,18 +2,19 @@
 
 use anemometry::head::Head;
 use anemometry::wind::field_correction::{FieldCorrection, SlowErrorKind, SlowEvidence};
+use anemometry::wind::gas_uncertainty::GasUncertainty;
 use anemometry::wind::live::LiveRows;
 use anemometry::wind::moment::Moment;
 use host_sim::experiment::Experiment;
 use wire::WindSample;
 
 use super::wind::WindMode;
-use super::wind::blown::beside;
+use super::wind::blown::{beside, gas_errors_beside};
 use crate::thesis::StudyError;
 use crate::thesis::record::rows;
 
 /// Runs an experiment and hands out every estimate: of the whole run without a correction, then of
-/// the whole run with it.
+/// the whole run with it, and with what such an uncertainty of its gas does.
 ///
 /// # Errors
 /// What could not be run, or that nothing can be corrected.
@@ -22,6 +23,7 @@ pub fn blow_corrected(
     head: &Head,
     mode: WindMode,
     kind: SlowErrorKind,
+    gas: GasUncertainty,
     each: &mut dyn FnMut(bool, &Moment, &WindSample),
 ) -> Result<(), StudyError> {
     let mut moments = Vec::new();
@@ -41,10 +43,15 @@ pub fn blow_corrected(
     let correction = FieldCorrection::find(&evidence, first.anemometer(), kind, mode.bandwidth_hz)
         .map_err(|error| StudyError::Other(error.to_string()))?;
     let mut second = beside(experiment, head, mode)?;
+    let mut gas_errors = gas_errors_beside(experiment, head, mode, gas)?;
     for moment in &moments {
-        second.correct(correction.corrections(moment.time_s));
-        if let Some(estimate) = second.step_whole(&moment.tick) {
-            let mut sample = WindSample::from(&estimate);
+        let corrections = correction.corrections(moment.time_s);
+        second.correct(corrections);
+        gas_errors.correct(corrections);
+        let estimate = second.step_whole(&moment.tick);
+        let mut sample = estimate.as_ref().map(WindSample::from);
+        gas_errors.step(&moment.tick, sample.as_mut());
+        if let (Some(estimate), Some(mut sample)) = (estimate, sample) {
             correction.widen(moment.time_s, second.anemometer(), &estimate, &mut sample);
             each(true, moment, &sample);
         }

@@ -1,9 +1,10 @@
 //! What an effect of the field does to estimates: how wrong they are, and whether they say so.
 
 use anemometry::head::Head;
-use anemometry::vector::{angle_deg, length};
+use anemometry::vector::{self, angle_deg, length};
 use anemometry::wind::comparison::{Coverage, SLOWEST_M_S, WindComparison};
 use anemometry::wind::field_correction::SlowErrorKind;
+use anemometry::wind::gas_uncertainty::GasUncertainty;
 use anemometry::wind::moment::Moment;
 use anemometry::wind::off_line::axes;
 use dr_core::wind::QualityFlags;
@@ -37,6 +38,8 @@ pub struct EffectFigures {
     pub speed_rms: Option<f64>,
     /// Their mean.
     pub speed_mean: Option<f64>,
+    /// Share of estimates with any flag.
+    pub flagged: Option<f64>,
     /// Share of estimates flagged `inconsistent`.
     pub inconsistent: Option<f64>,
     /// Shares of 95 % intervals of estimates without a flag that hold the true value.
@@ -52,6 +55,7 @@ pub struct EffectFigures {
 #[derive(Debug, Clone, Default)]
 pub(super) struct EffectTally {
     errors: WindComparison,
+    flagged: Coverage,
     inconsistent: Coverage,
     unsaid: Coverage,
 }
@@ -64,6 +68,7 @@ impl EffectTally {
         }
         self.errors.add(estimate, axes, truth_m_s);
         let flags = estimate.quality_flags;
+        self.flagged.add(flags != QualityFlags::default());
         self.inconsistent.add(flags.has(QualityFlags::INCONSISTENT));
         let off_m_s = (f64::from(estimate.speed_m_s) - speed_m_s).abs();
         let off_rad = angle_deg(estimate.wind_m_s.map(f64::from), truth_m_s).to_radians();
@@ -78,6 +83,7 @@ impl EffectTally {
             direction_rms_deg: self.errors.direction_deg.rms(),
             speed_rms: self.errors.speed.rms(),
             speed_mean: self.errors.speed.mean(),
+            flagged: self.flagged.share(),
             inconsistent: self.inconsistent.share(),
             direction_coverage: self.errors.direction_coverage.share(),
             speed_coverage: self.errors.speed_coverage.share(),
@@ -86,15 +92,23 @@ impl EffectTally {
     }
 }
 
-/// Adds the estimates of an experiment, but for the beginnings of its winds: as they are, and
-/// corrected.
+/// How an experiment is judged once more: corrected, with such an uncertainty of its gas, K.
+pub(super) type CorrectionOfCase = Option<(SlowErrorKind, Option<f64>)>;
+
+/// Adds the estimates of an experiment, but for the beginnings of its winds: as they are to the
+/// first tally, corrected to the second; of a stem with a wake those of winds that come from within
+/// it to the second.
 pub(super) fn judge(
     experiment: &Experiment,
     head: &Head,
-    kind: Option<SlowErrorKind>,
+    correction: CorrectionOfCase,
     tallies: &mut [EffectTally; 2],
 ) -> Result<(), StudyError> {
     let axes = head.calibration.as_ref().map(|calibration| axes(head, calibration)).unwrap_or_default();
+    let stem = experiment.field.stem.and_then(|stem| Some((stem.axis, stem.wake?.angle_deg)));
+    let is_behind = |wind_m_s: [f64; 3]| {
+        stem.is_some_and(|(axis, angle_deg)| angle_deg > vector::angle_deg(wind_m_s.map(|of| -of), axis))
+    };
     let mut label = String::new();
     let mut from_s = 0.0;
     let mut each = |is_corrected: bool, moment: &Moment, estimate: &WindSample| {
@@ -104,18 +118,21 @@ pub(super) fn judge(
         if let Some(truth_m_s) = moment.wind_m_s
             && moment.time_s - from_s >= SETTLE_S
         {
-            tallies[usize::from(is_corrected)].add(estimate, &axes, truth_m_s);
+            tallies[usize::from(is_corrected || is_behind(truth_m_s))].add(estimate, &axes, truth_m_s);
         }
     };
-    match kind {
-        Some(kind) => blow_corrected(experiment, head, MODE, kind, &mut each),
+    match correction {
+        Some((kind, temperature_k)) => {
+            let gas = GasUncertainty { temperature_k, pressure_pa: None };
+            blow_corrected(experiment, head, MODE, kind, gas, &mut each)
+        }
         None => blow(experiment, head, &[MODE], &mut |_, moment, estimate| each(false, moment, estimate)),
     }
 }
 
 /// Of the cells of an effect.
 pub(super) const TITLES: [&str; 6] =
-    ["otherwise", "direction rms", "speed rms (mean)", "`inconsistent`", "95 % intervals: direction, speed", "unsaid"];
+    ["otherwise", "direction rms", "speed rms (mean)", "flagged (`inconsistent`)", "95 % intervals: direction, speed", "unsaid"];
 
 impl EffectFigures {
     pub(super) fn cells(&self) -> [String; 6] {
@@ -127,7 +144,7 @@ impl EffectFigures {
             self.effect.clone(),
             self.direction_rms_deg.map_or_else(|| "none".to_owned(), |deg| format!("{deg:.2}°")),
             percent(self.speed_rms, 2) + &mean,
-            percent(self.inconsistent, 1),
+            format!("{} ({})", percent(self.flagged, 1), percent(self.inconsistent, 1)),
             format!("{}, {}", percent(self.direction_coverage, 0), percent(self.speed_coverage, 0)),
             percent(self.unsaid, 1),
         ]

@@ -37,11 +37,14 @@ const fn mars(effect: &'static str, tunnels: &'static [&'static str], winds: &'s
     OwnCase { effect, is_air: false, rise: None, tunnels, winds }
 }
 
+/// Winds of which some come from within the stem's wake.
+const BEHIND: &str = "stem-winds";
 const ONE: &[&str] = &["film-tunnel"];
 const TWO: &[&str] = &["film-tunnel", "film-still"];
-const CASES: [OwnCase; 12] = [
+const CASES: [OwnCase; 13] = [
     mars("gas of 160 K, calibrated at 220 K", ONE, "film-160"),
     mars("… and in still gas of 250 K", TWO, "film-160"),
+    mars("gas of 220 K, calibrated at 220 K", ONE, "film-220"),
     mars("gas of 240 K, calibrated at 220 K", ONE, "film-240"),
     mars("… and in still gas of 250 K", TWO, "film-240"),
     mars("gas of 280 K, calibrated at 220 K", ONE, "film-280"),
@@ -54,8 +57,8 @@ const CASES: [OwnCase; 12] = [
         rise: Some(BuoyancyModel::Sum),
         ..mars("air, 0.3 to 1.8 m/s, rise in full", &["air-tunnel"], "air-winds")
     },
-    mars("stem and wake, calibrated behind it", &["stem-tunnel"], "stem-winds"),
-    mars("… calibrated beside it, outside 30°", &["stem-cone-tunnel"], "stem-winds"),
+    mars("stem and wake, calibrated behind it", &["stem-tunnel"], BEHIND),
+    mars("stem and wake, calibrated beside it, outside 30°", &["stem-cone-tunnel"], BEHIND),
 ];
 
 /// Measures these effects on specimens of such seeds.
@@ -82,7 +85,14 @@ pub fn measure(
             last = Some((case, head));
         }
     }
-    Ok(CASES.iter().zip(&tallies).map(|(case, [as_it_is, _])| as_it_is.figures(case.effect)).collect())
+    let mut figures = Vec::new();
+    for (case, [others, behind]) in CASES.iter().zip(&tallies) {
+        figures.push(others.figures(case.effect));
+        if case.winds == BEHIND {
+            figures.push(behind.figures("… winds within 30° of the stem"));
+        }
+    }
+    Ok(figures)
 }
 
 impl OwnCase {

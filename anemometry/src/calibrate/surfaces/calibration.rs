@@ -36,6 +36,8 @@ const AWAY_OF_ONE: (f64, f64) = (1.6e-3, 0.016);
 const AWAY_OF_TWO: (f64, f64) = (1.5e-4, 0.008);
 /// How far apart quiescent gas was for these, K.
 const AWAY_OF_TWO_K: f64 = 30.0;
+/// Share of the winds, from either end of their gas temperatures, that say nothing of a gas.
+const FEW_WINDS: f64 = 0.05;
 /// Component out of a plane, rms, from which on winds are not of it.
 const LEAST_OUT: f64 = 0.08;
 /// Winds are unknown nearer to the stem than the nearest one by so much, °; and no farther than
@@ -436,7 +438,11 @@ fn convection(problem: &SurfaceProblem<'_>, fitted: &SurfaceFit) -> Option<Conve
     });
     let properties = if sought.film_share > 0.0 { PropertyTemperature::Film } else { PropertyTemperature::Gas };
     let nusselt_at_rest = problem.family.rest(&place.coefficients);
-    let gas_c = |pick: fn(f64, f64) -> f64| moving().map(|wind| wind.gas_k - ZERO_CELSIUS_K).reduce(pick);
+    // A few winds in another gas do not say how it differs.
+    let mut gas_c: Vec<f64> = moving().map(|wind| wind.gas_k - ZERO_CELSIUS_K).collect();
+    gas_c.sort_by(f64::total_cmp);
+    let few = (FEW_WINDS * gas_c.len() as f64) as usize;
+    let gas_c = [*gas_c.get(few)?, *gas_c.get(gas_c.len() - 1 - few)?];
     // What a farther temperature would say better.
     let farther = AWAY_OF_TWO_K / problem.quiescent_range_k().max(1.0);
     let per_k = |of_two: f64, of_one: f64| {
@@ -448,7 +454,7 @@ fn convection(problem: &SurfaceProblem<'_>, fitted: &SurfaceFit) -> Option<Conve
         properties,
         nusselt_at_rest,
         slowest_reynolds,
-        gas_c: [gas_c(f64::min)?, gas_c(f64::max)?],
+        gas_c,
         speed_share_per_k,
         direction_deg_per_k,
         rise,

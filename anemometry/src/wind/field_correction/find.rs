@@ -102,6 +102,7 @@ pub enum SlowErrorsUnknown {
 
 const OFFSETS_MW: [f64; 9] = [0.0, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0];
 const GAINS_PERCENT: [f64; 8] = [0.0, 0.1, 0.3, 1.0, 2.0, 4.0, 8.0, 16.0];
+const WALKS: [f64; 6] = [0.0, 0.01, 0.03, 0.1, 0.2, 0.4];
 const TIMES_S: [f64; 11] = [100.0, 200.0, 400.0, 800.0, 1600.0, 3200.0, 6400.0, 12800.0, 25600.0, 51200.0, 102400.0];
 const NOISES: [f64; 7] = [0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0];
 
@@ -124,6 +125,7 @@ impl FieldCorrection {
             offset_mw: if kind == SlowErrorKind::Gains { 0.0 } else { 1.0 },
             time_s: 800.0,
             gain_percent: if kind == SlowErrorKind::Offsets { 0.0 } else { 1.0 },
+            gain_walk: 0.0,
             is_common_sought: true,
             noise: 1.0,
         };
@@ -252,6 +254,7 @@ fn likeliest(prior: &mut SlowPrior, series: &SlowSeries<'_>, kind: SlowErrorKind
         }
         if kind != SlowErrorKind::Offsets {
             best(prior, &GAINS_PERCENT, &|of, percent| of.gain_percent = percent);
+            best(prior, &WALKS, &|of, walk| of.gain_walk = walk);
         }
         best(prior, &NOISES, &|of, noise| of.noise = noise);
     }

@@ -3,7 +3,7 @@
 //! ```text
 //! S_i   Matérn 3/2: standard deviation σ, time constant τ
 //!       covariance over a time Δ: σ² (1 + λΔ) e^(−λΔ), λ = √3/τ
-//! γ_i   constant, standard deviation σ_γ
+//! γ_i   random walk from a standard deviation σ_γ on, by η in the root of a second
 //! both  jump where a jump was found, each by an unknown amount of standard deviation 3 mW or 3 %
 //! e     ρ e + √(1 − ρ²) w: what the calibration misses, of standard deviation 1
 //! y     Σ_i (a_i S_i + b_i γ_i) + k e + √r v
@@ -39,6 +39,8 @@ pub struct SlowPrior {
     pub time_s: f64,
     /// σ_γ, %.
     pub gain_percent: f64,
+    /// η, %/√s.
+    pub gain_walk: f64,
     /// Whether what all surfaces share is sought; if not, it stays zero, as uncertain as it was.
     pub is_common_sought: bool,
     /// Factor of the equations' variances; where it is more than 1, of k² as well.
@@ -194,6 +196,7 @@ fn transition(prior: &SlowPrior, slot_s: f64) -> (Covariance, Covariance) {
             }
             added[(row + i, column + j)] = variance * of_added;
         }
+        added[(GAIN + i, GAIN + j)] = prior.gain_walk.powi(2) * slot_s * prior.sought(i, j);
     }
     (transition, added)
 }
@@ -284,7 +287,7 @@ mod tests {
     const SLOT_S: f64 = 10.0;
 
     fn prior(offset_mw: f64, gain_percent: f64) -> SlowPrior {
-        SlowPrior { offset_mw, time_s: 1e5, gain_percent, is_common_sought: true, noise: 1.0 }
+        SlowPrior { offset_mw, time_s: 1e5, gain_percent, gain_walk: 0.0, is_common_sought: true, noise: 1.0 }
     }
 
     /// Equations of winds that turn by the golden angle, or of one wind, for offsets that `truth`

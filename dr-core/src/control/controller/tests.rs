@@ -180,6 +180,22 @@ fn a_set_point_that_is_never_met_trips_in_the_end() {
     assert_eq!(ticks, 52);
 }
 
+/// A support warms it, or another element does: nothing is in danger, and the run has a use for it.
+#[test]
+fn an_element_that_is_too_warm_without_its_heater_does_not_trip() {
+    let mut controller = running([Drive::Temperature { target_c: -30.0 }, Drive::Passive]);
+    controller.handle(Command::Stop).unwrap();
+    controller.handle(Command::Guard(GuardConfig { unreachable_limit_ticks: 50, ..GuardConfig::default() })).unwrap();
+    start(&mut controller).unwrap();
+    for _ in 0..200 {
+        let tick = controller.tick(&[code(-20.0, false), code(-40.0, false)]);
+        assert_eq!((tick.trip, tick.heaters), (None, Heaters(0)));
+    }
+    // From where it is too cold on, the whole time is borne again.
+    let borne = (0..100).take_while(|&n| controller.tick(&[code(-40.0, n > 0), code(-40.0, false)]).trip.is_none());
+    assert_eq!(borne.count(), 51);
+}
+
 #[test]
 fn unreachable_set_points_are_refused_by_the_model() {
     let mut controller = running([Drive::Passive, Drive::Passive]);

@@ -6,7 +6,9 @@ use wire::WindSample;
 use super::sphere::WindMode;
 use crate::thesis::StudyError;
 use crate::thesis::record::rows;
+use anemometry::head::calibration::checked::Calibration;
 use anemometry::head::{Head, WindOutput};
+use anemometry::wind::gas_uncertainty::{GasReadingErrors, GasUncertainty};
 use anemometry::wind::live::LiveRows;
 use anemometry::wind::moment::Moment;
 use anemometry::wind::off_line::OffLineAnemometer;
@@ -46,15 +48,49 @@ pub fn beside<'a>(
     head: &'a Head,
     mode: WindMode,
 ) -> Result<OffLineAnemometer<'a>, StudyError> {
-    let none = || StudyError::Other(format!("head `{}` has no calibration", head.name));
-    let calibration = head.calibration.as_ref().ok_or_else(none)?;
-    let period_s = experiment.sample_period_s;
-    let output = WindOutput::new(Some(mode.bandwidth_hz), None, mode.fixed, period_s);
-    let mut anemometer = OffLineAnemometer::new(head, calibration, &output, period_s)
+    let setup = SetUp::of(experiment, head, mode)?;
+    let mut anemometer = OffLineAnemometer::new(head, setup.calibration, &setup.output, experiment.sample_period_s)
         .map_err(|error| StudyError::Other(error.to_string()))?;
-    let gas_c = calibration.reference.is_none().then_some(experiment.gas_temperature_c as f32);
-    anemometer.gas(experiment.pressure_pa as f32, gas_c).map_err(|error| StudyError::Other(error.to_string()))?;
+    anemometer.gas(setup.pressure_pa, setup.gas_c).map_err(|error| StudyError::Other(error.to_string()))?;
     Ok(anemometer)
+}
+
+/// What such an uncertainty of the gas does, beside the same run.
+///
+/// # Errors
+/// As of [`beside`].
+pub fn gas_errors_beside<'a>(
+    experiment: &Experiment,
+    head: &'a Head,
+    mode: WindMode,
+    gas: GasUncertainty,
+) -> Result<GasReadingErrors<'a>, StudyError> {
+    let setup = SetUp::of(experiment, head, mode)?;
+    let mut errors = GasReadingErrors::new(gas, head, setup.calibration, &setup.output, experiment.sample_period_s)
+        .map_err(|error| StudyError::Other(error.to_string()))?;
+    errors.gas(setup.pressure_pa, setup.gas_c).map_err(|error| StudyError::Other(error.to_string()))?;
+    Ok(errors)
+}
+
+/// What an anemometer beside a run is set up with.
+struct SetUp<'a> {
+    calibration: &'a Calibration,
+    output: WindOutput,
+    pressure_pa: f32,
+    gas_c: Option<f32>,
+}
+
+impl<'a> SetUp<'a> {
+    fn of(experiment: &Experiment, head: &'a Head, mode: WindMode) -> Result<Self, StudyError> {
+        let none = || StudyError::Other(format!("head `{}` has no calibration", head.name));
+        let calibration = head.calibration.as_ref().ok_or_else(none)?;
+        Ok(Self {
+            calibration,
+            output: WindOutput::new(Some(mode.bandwidth_hz), None, mode.fixed, experiment.sample_period_s),
+            pressure_pa: experiment.pressure_pa as f32,
+            gas_c: calibration.reference.is_none().then_some(experiment.gas_temperature_c as f32),
+        })
+    }
 }
 
 /// Mean of the raw conductances of the parts that are measured, W/K.

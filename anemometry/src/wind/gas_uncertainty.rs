@@ -1,0 +1,167 @@
+//! What the uncertainty of the gas's readings does to a wind: beside the anemometer go others, each
+//! with one reading off by its standard uncertainty, and the difference of their winds is added.
+//!
+//! ```text
+//! C ← C + Σ_r d_r d_rᵀ        d_r = v(reading r + its uncertainty) − v
+//! ```
+//!
+//! So it holds for every head, whatever its calibration takes the gas for.
+//!
+//! *Limits.* Of first order in the uncertainties. They are taken for independent of each other and
+//! of all else, and the same for the whole recording, so that no mean over it is more certain.
+
+use dr_core::control::{MOST_ELEMENTS, Tick};
+use dr_core::wind::QualityFlags;
+use dr_core::wind::slow_errors::SurfaceCorrection;
+use dr_core::wind::sphere::SECTORS;
+use recording::toml_file::FileError;
+use wire::WindSample;
+
+use super::error::GasInputError;
+use super::off_line::OffLineAnemometer;
+use crate::head::calibration::checked::Calibration;
+use crate::head::file::Head;
+use crate::head::output::WindOutput;
+use crate::vector::angle_deg;
+
+/// Standard uncertainties of the readings of the gas; what is none is taken for certain.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct GasUncertainty {
+    /// Of the pressure, Pa.
+    pub pressure_pa: Option<f64>,
+    /// Of the temperature, K.
+    pub temperature_k: Option<f64>,
+}
+
+/// Anemometers whose readings of the gas are off.
+#[derive(Debug, Clone)]
+pub struct GasReadingErrors<'a> {
+    others: Vec<OffReading<'a>>,
+    /// Element that measures the gas.
+    reference: Option<usize>,
+    /// How many axes across the wind a direction may be off about.
+    axes_across: f64,
+}
+
+#[derive(Debug, Clone)]
+struct OffReading<'a> {
+    anemometer: OffLineAnemometer<'a>,
+    pressure_pa: f32,
+    temperature_k: f32,
+}
+
+impl<'a> GasReadingErrors<'a> {
+    /// Beside an anemometer of the same settings; none of readings that are certain.
+    ///
+    /// # Errors
+    /// As of [`OffLineAnemometer::new`].
+    pub fn new(
+        uncertainty: GasUncertainty,
+        head: &'a Head,
+        calibration: &Calibration,
+        output: &WindOutput,
+        sample_period_s: f64,
+    ) -> Result<Self, FileError> {
+        let pressure = uncertainty.pressure_pa.map(|pressure_pa| (pressure_pa as f32, 0.0));
+        let temperature = uncertainty.temperature_k.map(|temperature_k| (0.0, temperature_k as f32));
+        let others = [pressure, temperature].into_iter().flatten().map(|(pressure_pa, temperature_k)| {
+            let anemometer = OffLineAnemometer::new(head, calibration, output, sample_period_s)?;
+            Ok(OffReading { anemometer, pressure_pa, temperature_k })
+        });
+        Ok(Self {
+            others: others.collect::<Result<_, FileError>>()?,
+            reference: calibration.reference,
+            axes_across: if calibration.plane_normal().is_some() { 1.0 } else { 2.0 },
+        })
+    }
+
+    /// Sets the gas as it was read.
+    ///
+    /// # Errors
+    /// The number that the board refuses.
+    pub fn gas(&mut self, pressure_pa: f32, temperature_c: Option<f32>) -> Result<(), GasInputError> {
+        self.others.iter_mut().try_for_each(|of| {
+            of.anemometer.gas(pressure_pa + of.pressure_pa, temperature_c.map(|celsius| celsius + of.temperature_k))
+        })
+    }
+
+    /// Corrects slow errors of the first surfaces from now on.
+    pub fn correct(&mut self, corrections: [SurfaceCorrection; SECTORS]) {
+        self.others.iter_mut().for_each(|of| of.anemometer.correct(corrections));
+    }
+
+    /// Follows a tick; widens the estimate that the anemometer made of it.
+    pub fn step(&mut self, tick: &Tick<MOST_ELEMENTS>, estimate: Option<&mut WindSample>) {
+        let mut off = [None, None];
+        for (off, other) in off.iter_mut().zip(&mut self.others) {
+            let mut tick = *tick;
+            if let Some(read_c) = self.reference.and_then(|place| tick.temperature_c.get_mut(place)) {
+                *read_c += other.temperature_k;
+            }
+            *off = other.anemometer.step(&tick);
+        }
+        let Some(estimate) = estimate else { return };
+        for off in off.into_iter().flatten() {
+            add(&off, self.axes_across, estimate);
+        }
+    }
+}
+
+/// Adds what a reading that is off does to a wind.
+fn add(off: &WindSample, axes_across: f64, estimate: &mut WindSample) {
+    let unknown = [QualityFlags::FAILED, QualityFlags::AMBIGUOUS];
+    if unknown.iter().any(|&flag| estimate.quality_flags.has(flag) || off.quality_flags.has(flag)) {
+        return;
+    }
+    let [x, y, z] = core::array::from_fn(|i| off.wind_m_s[i] - estimate.wind_m_s[i]);
+    let squares = [x * x, y * y, z * z, x * y, x * z, y * z];
+    estimate.covariance_m2_s2.iter_mut().zip(squares).for_each(|(element, square)| *element += square);
+    estimate.speed_error_m_s = estimate.speed_error_m_s.hypot(off.speed_m_s - estimate.speed_m_s);
+    let turned_deg = angle_deg(off.wind_m_s.map(f64::from), estimate.wind_m_s.map(f64::from));
+    if turned_deg.is_finite() {
+        let turned_rad = (turned_deg.to_radians() / axes_across.sqrt()) as f32;
+        estimate.direction_error_rad = estimate.direction_error_rad.hypot(turned_rad).min(core::f32::consts::PI);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wind(wind_m_s: [f32; 3]) -> WindSample {
+        WindSample {
+            quality_flags: QualityFlags::default(),
+            wind_m_s,
+            speed_m_s: wind_m_s.iter().map(|of| of * of).sum::<f32>().sqrt(),
+            across_m_s: 0.0,
+            covariance_m2_s2: [0.0; 6],
+            speed_error_m_s: 0.3,
+            direction_error_rad: 0.03,
+            chi_square: 0.0,
+            gas_c: 0.0,
+            conductance_w_k: wire::SurfaceValues::new(),
+            raw_w_k: wire::SurfaceValues::new(),
+        }
+    }
+
+    #[test]
+    fn what_a_reading_moves_is_added_to_what_was_uncertain() {
+        // Faster by 0.4 m/s, and turned by 0.04 rad.
+        let (sin, cos) = 0.04_f32.sin_cos();
+        let mut estimate = wind([5.0, 0.0, 0.0]);
+        add(&wind([5.4 * cos, 5.4 * sin, 0.0]), 1.0, &mut estimate);
+        assert!((estimate.speed_error_m_s - 0.5).abs() < 1e-4, "{estimate:?}");
+        assert!((estimate.direction_error_rad - 0.05).abs() < 1e-4, "{estimate:?}");
+        let [xx, yy, zz, xy, ..] = estimate.covariance_m2_s2;
+        assert!((xx - 0.1566).abs() < 1e-3 && (yy - 0.0466).abs() < 1e-3 && (xy * xy / (xx * yy) - 1.0).abs() < 1e-3);
+        assert!(zz.abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_wind_that_another_reading_makes_ambiguous_says_nothing() {
+        let mut estimate = wind([5.0, 0.0, 0.0]);
+        let twin = WindSample { quality_flags: QualityFlags::AMBIGUOUS, ..wind([-5.0, 0.0, 0.0]) };
+        add(&twin, 2.0, &mut estimate);
+        assert_eq!(estimate, wind([5.0, 0.0, 0.0]));
+    }
+}
