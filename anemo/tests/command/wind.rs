@@ -85,3 +85,33 @@ fn elements_that_no_loop_holds_are_named_once() {
     };
     assert!(said("{ level = \"high\" }"));
 }
+
+/// 5 % of the pressure are 5 % of the speed; one kelvin is more than a thirtieth, since the head has
+/// not 30 K yet.
+#[test]
+fn the_uncertainty_of_the_gas_goes_into_that_of_the_wind() {
+    let folder = recorded("{ temperature_c = -23.15 }");
+    let folder = folder.path();
+    let last = |options: &[&str]| -> [f64; 2] {
+        let text = stdout(&anemo(folder, &[&["wind", "r.parquet", "-o", "w.csv"], options].concat()));
+        assert!(options.is_empty() || text.contains(" ± "), "{text}");
+        let table = std::fs::read_to_string(folder.join("w.csv")).unwrap();
+        let mut rows = table.lines().filter(|line| !line.starts_with('#'));
+        let names: Vec<&str> = rows.next().unwrap().split(',').collect();
+        let row: Vec<&str> = rows.next_back().unwrap().split(',').collect();
+        ["wind_speed_m_s", "wind_speed_u_m_s"]
+            .map(|name| row[names.iter().position(|own| *own == name).unwrap()].parse().unwrap())
+    };
+    let [speed_m_s, known_m_s] = last(&[]);
+    let added = |options: &[&str]| {
+        let [same_m_s, u_m_s] = last(options);
+        assert_eq!(same_m_s, speed_m_s);
+        (u_m_s.powi(2) - known_m_s.powi(2)).sqrt() / speed_m_s
+    };
+    let by_pressure = added(&["--pressure-uncertainty", "50"]);
+    assert!((by_pressure * 1.05 / 0.05 - 1.0).abs() < 0.02, "{by_pressure}");
+    let by_gas = added(&["--gas-uncertainty", "1"]);
+    let by_tenth = added(&["--gas-uncertainty", "0.1"]);
+    assert!(by_gas > 1.0 / 30.0 && (5.0..20.0).contains(&(by_gas / by_tenth)), "{by_gas} {by_tenth}");
+    assert!(refused(folder, &["wind", "r.parquet", "--gas-uncertainty=-1"]).contains("must not be negative"));
+}

@@ -194,8 +194,9 @@ impl fmt::Display for MeteorologyReport {
         }
         write!(f, "{}", self.table())?;
         let left_out = self.intervals.iter().filter(|of| of.statistics.is_none());
-        let left_out: Vec<String> =
-            left_out.map(|of| format!("{} s ({:.0} %{})", tidy(of.begin_s), 100.0 * of.valid_share, of.cause())).collect();
+        let left_out: Vec<String> = left_out
+            .map(|of| format!("{} s ({:.0} %{})", tidy(of.begin_s), 100.0 * of.valid_share, of.cause()))
+            .collect();
         if !left_out.is_empty() {
             let intervals = count(left_out.len(), "interval");
             let least = 100.0 * LEAST_SHARE;

@@ -157,7 +157,8 @@ impl GasInput {
         let pairs =
             [("gas_species", self.species.to_owned()), ("gas_pressure_pa", self.pressure_pa.to_string()), (key, value)];
         let GasUncertainty { pressure_pa, temperature_k } = self.uncertainty;
-        let uncertain = [("gas_pressure_uncertainty_pa", pressure_pa), ("gas_temperature_uncertainty_k", temperature_k)];
+        let uncertain =
+            [("gas_pressure_uncertainty_pa", pressure_pa), ("gas_temperature_uncertainty_k", temperature_k)];
         let uncertain = uncertain.into_iter().filter_map(|(key, value)| Some((key, value?.to_string())));
         pairs.into_iter().chain(uncertain).map(|(key, value)| (key.to_owned(), value)).collect()
     }
