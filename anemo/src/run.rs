@@ -123,6 +123,7 @@ pub(super) fn layout(experiment: &Experiment, on: &On) -> RecordingLayout {
         estimates: experiment.surfaces(),
         combined_wind: false,
         earth_wind: false,
+        cores: Vec::new(),
         observed: experiment.observed().into_iter().map(|element| names[element].to_owned()).collect(),
     }
 }

@@ -146,8 +146,14 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     let (true_wind, gas) = (estimation.has_truth(), estimation.has_gas());
     let estimates = estimation.surfaces();
-    let layout =
-        RecordingLayout { true_wind, gas, estimates, earth_wind: mounting.is_some(), ..RecordingLayout::default() };
+    let layout = RecordingLayout {
+        true_wind,
+        gas,
+        estimates,
+        earth_wind: mounting.is_some(),
+        cores: estimation.cores(),
+        ..RecordingLayout::default()
+    };
     let mut known = metadata(arguments, &head, &estimation)?;
     known.extend(mounting.iter().flat_map(HeadMounting::metadata));
     let mut recorded = RecordingOutputs::create(
@@ -161,9 +167,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         WindError::Gas(_) => Failure::usage(error),
         _ => Failure::work(error),
     })? {
-        let EstimatedWind { moment, sample, true_wind_m_s } = &estimate;
+        let EstimatedWind { moment, sample, unknown_heat_w, true_wind_m_s } = &estimate;
         let mut numbers = wind::numbers(Some(sample), sample.conductance_w_k.len());
         numbers.extend(mounting.iter().flat_map(|mounting| earth_numbers(sample, mounting)));
+        numbers.extend(unknown_heat_w);
         let row = RecordingRow {
             time_s: moment.time_s,
             temperature_c: &[],

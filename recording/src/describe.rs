@@ -2,7 +2,7 @@
 
 use crate::names::{
     CONDUCTANCE, EQUIVALENT_POWER, EVENT, GAS_TEMPERATURE, HEATER, POWER, RAW_CONDUCTANCE, STATE, TEMPERATURE, TIME,
-    TRUE_WIND, UTC, element_of,
+    TRUE_WIND, UNKNOWN_HEAT, UTC, element_of,
 };
 use crate::wind::{
     DIRECTION_UNCERTAINTY, ESTIMATED_GAS, QUALITY_FLAGS, SPEED_UNCERTAINTY, WIND_ESTIMATE, WIND_FROM, WIND_SPEED,
@@ -10,13 +10,14 @@ use crate::wind::{
 };
 
 /// Quantities of an element: unit, meaning.
-const OF_ELEMENTS: [(&str, &str, &str); 6] = [
+const OF_ELEMENTS: [(&str, &str, &str); 7] = [
     (TEMPERATURE, "°C", "temperature at time_s"),
     (POWER, "W", "heating power, held until the next row"),
     (EQUIVALENT_POWER, "W", "conduction into the structure, by its observer"),
     (HEATER, "1", "1 at the high level until the next row, else 0"),
     (CONDUCTANCE, "W/K", "conductance to the gas"),
     (RAW_CONDUCTANCE, "W/K", "power over overheat"),
+    (UNKNOWN_HEAT, "W", "heat gained on ways that the identification did not have"),
 ];
 
 /// What a column of a recording holds: its unit, and a few words. None for a column of others.
@@ -69,6 +70,7 @@ mod tests {
             estimates: names(),
             combined_wind: false,
             earth_wind: true,
+            cores: names(),
         };
         for column in layout.columns().into_iter().chain([UTC.to_owned()]) {
             let (unit, what) = described(&column).unwrap_or_else(|| panic!("{column}"));

@@ -95,7 +95,8 @@ pub use file_format::check_name;
 pub use format1::{current_name, is_format_1, is_pair, renamed};
 pub use names::{
     CONDUCTANCE, EQUIVALENT_POWER, EVENT, GAS_TEMPERATURE, GIVEN_WIND, HEATER, POWER, RAW_CONDUCTANCE, REFERENCE,
-    STATE, TEMPERATURE, TIME, TRUE_WIND, UTC, column_name, element_of, in_columns, shared_column, stated_unit,
+    STATE, TEMPERATURE, TIME, TRUE_WIND, UNKNOWN_HEAT, UTC, column_name, element_of, in_columns, shared_column,
+    stated_unit,
 };
 pub use parts::journal_of;
 pub use reader::RecordingReader;

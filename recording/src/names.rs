@@ -31,9 +31,13 @@ pub const HEATER: &str = "heater_";
 pub const CONDUCTANCE: &str = "conductance_w_k_";
 /// Power over overheat of an element, W/K.
 pub const RAW_CONDUCTANCE: &str = "raw_w_k_";
+/// Heat that an element without a surface gains from its support, or by its stem, beyond what it did
+/// in the identification, W.
+pub const UNKNOWN_HEAT: &str = "unknown_heat_w_";
 
 /// Quantities that stand before an element's name.
-pub(crate) const QUANTITIES: [&str; 6] = [TEMPERATURE, POWER, EQUIVALENT_POWER, HEATER, CONDUCTANCE, RAW_CONDUCTANCE];
+pub(crate) const QUANTITIES: [&str; 7] =
+    [TEMPERATURE, POWER, EQUIVALENT_POWER, HEATER, CONDUCTANCE, RAW_CONDUCTANCE, UNKNOWN_HEAT];
 
 /// More characters in brackets are a remark, and no unit.
 const MOST_UNIT: usize = 8;
@@ -60,7 +64,7 @@ pub fn element_of(column: &str) -> Option<&str> {
 /// element or not (`power_w`, `temperature_c_probe`), or one in brackets at the end, as loggers
 /// write it (`Heater [mW]`, `T1 (°C)`).
 pub fn stated_unit(column: &str) -> Option<&str> {
-    for (quantity, unit) in [(TEMPERATURE, "°C"), (POWER, "W"), (EQUIVALENT_POWER, "W")] {
+    for (quantity, unit) in [(TEMPERATURE, "°C"), (POWER, "W"), (EQUIVALENT_POWER, "W"), (UNKNOWN_HEAT, "W")] {
         if column.starts_with(quantity) || quantity.strip_suffix('_') == Some(column) {
             return Some(unit);
         }

@@ -5,8 +5,8 @@ use std::path::Path;
 use crate::column::RowCell;
 use crate::error::RecordingError;
 use crate::names::{
-    EQUIVALENT_POWER, EVENT, GAS_TEMPERATURE, HEATER, POWER, STATE, TEMPERATURE, TIME, TRUE_WIND, column_name,
-    shared_column,
+    EQUIVALENT_POWER, EVENT, GAS_TEMPERATURE, HEATER, POWER, STATE, TEMPERATURE, TIME, TRUE_WIND, UNKNOWN_HEAT,
+    column_name, shared_column,
 };
 use crate::wind;
 
@@ -27,6 +27,8 @@ pub struct RecordingLayout {
     pub combined_wind: bool,
     /// Whether the wind of the head is followed by that of the earth, [`wind::EARTH`].
     pub earth_wind: bool,
+    /// Names of the elements without a surface, whose unknown heat ends a row; none if it does not.
+    pub cores: Vec<String>,
 }
 
 /// One tick.
@@ -50,7 +52,7 @@ pub struct RecordingRow<'a> {
     pub true_wind_m_s: Option<[f64; 3]>,
     /// Held until the next row.
     pub gas_temperature_c: Option<f64>,
-    /// The wind estimate, as [`wind::numbers`] has it.
+    /// The wind estimate, as [`wind::numbers`] has it, with the earth's wind and unknown heats.
     pub estimate: &'a [f32],
 }
 
@@ -106,6 +108,7 @@ impl RecordingLayout {
         if self.earth_wind {
             columns.extend(wind::EARTH.map(str::to_owned));
         }
+        columns.extend(self.cores.iter().map(|core| column_name(UNKNOWN_HEAT, core)));
         columns
     }
 

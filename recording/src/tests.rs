@@ -15,6 +15,7 @@ fn layout(wind: bool) -> RecordingLayout {
         estimates: Vec::new(),
         combined_wind: false,
         earth_wind: false,
+        cores: Vec::new(),
     }
 }
 
@@ -152,6 +153,7 @@ fn names_that_cannot_be_written_are_refused_at_once() {
         estimates: Vec::new(),
         combined_wind: false,
         earth_wind: false,
+        cores: Vec::new(),
     };
     assert!(create(&folder.path().join("a.csv"), twins).contains("two columns would be named `temperature_c_core`"));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
@@ -383,6 +385,7 @@ fn a_recording_of_format_1_is_read_with_the_names_of_today() {
             estimates: ["sector1", "sector2", "sector3", "sector4"].map(str::to_owned).to_vec(),
             combined_wind: false,
             earth_wind: false,
+            cores: Vec::new(),
             ..RecordingLayout::default()
         };
         let today = layout.columns();

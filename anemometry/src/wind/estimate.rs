@@ -66,6 +66,8 @@ pub struct EstimatedWind {
     pub moment: Moment,
     /// As the board outputs it.
     pub sample: WindSample,
+    /// Heat of each element without a surface, W ([`WindEstimation::cores`]).
+    pub unknown_heat_w: Vec<f32>,
     /// True wind, where it is known, m/s.
     pub true_wind_m_s: Option<[f64; 3]>,
 }
@@ -158,6 +160,11 @@ impl<'a> WindEstimation<'a> {
     /// Names of the elements of the surfaces.
     pub fn surfaces(&self) -> Vec<String> {
         self.calibration.surfaces.iter().map(|&place| self.head.elements[place].name.clone()).collect()
+    }
+
+    /// Names of the elements without a surface.
+    pub fn cores(&self) -> Vec<String> {
+        self.unknown_heat.iter().map(|of| of.element.clone()).collect()
     }
 
     /// Whether true winds are given or stand in the recording.
@@ -253,6 +260,8 @@ impl<'a> WindEstimation<'a> {
                 Some(winds) => winds.of(&moment.event),
                 None => moment.wind_m_s.filter(|wind| wind.iter().all(|of| of.is_finite())),
             };
+            let heat_w = |of: &UnknownHeat| self.anemometer.unknown_heat_w(of.place) as f32;
+            let unknown_heat_w: Vec<f32> = self.unknown_heat.iter().map(heat_w).collect();
             self.estimates += 1;
             self.has_truth |= true_wind_m_s.is_some();
             if moment.time_s >= self.options.from_s && moment.time_s - begun_s >= self.options.settle_s {
@@ -263,15 +272,16 @@ impl<'a> WindEstimation<'a> {
                     self.gas_c = Some([least_c.min(is_c), most_c.max(is_c)]);
                 }
                 if NOT_SETTLED.iter().all(|flag| !sample.quality_flags.has(*flag)) {
-                    for of in &mut self.unknown_heat {
-                        of.add(self.anemometer.unknown_heat_w(of.place));
-                    }
+                    self.unknown_heat
+                        .iter_mut()
+                        .zip(&unknown_heat_w)
+                        .for_each(|(of, heat_w)| of.add(f64::from(*heat_w)));
                 }
                 if let Some(truth) = true_wind_m_s {
                     self.comparison.add(&sample, &self.axes, truth);
                 }
             }
-            return Ok(Some(EstimatedWind { moment, sample, true_wind_m_s }));
+            return Ok(Some(EstimatedWind { moment, sample, unknown_heat_w, true_wind_m_s }));
         }
         Ok(None)
     }

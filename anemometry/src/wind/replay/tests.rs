@@ -18,6 +18,7 @@ fn recording(folder: &Path, times_s: &[f64], period: Option<&str>) -> PathBuf {
         estimates: Vec::new(),
         combined_wind: false,
         earth_wind: false,
+        cores: Vec::new(),
     };
     let metadata: Metadata =
         period.map(|period| ("sample_period_s".to_owned(), period.to_owned())).into_iter().collect();

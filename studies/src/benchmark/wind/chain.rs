@@ -71,6 +71,7 @@ fn recorded(experiment: &Experiment) -> Result<QuiescentRecord, StudyError> {
         estimates: Vec::new(),
         combined_wind: false,
         earth_wind: false,
+        cores: Vec::new(),
     };
     let mut known: Metadata = experiment.conditions().to_metadata();
     known.push(("head".to_owned(), experiment.head.source.text.clone()));

@@ -93,6 +93,7 @@ fn a_long_recording_passes_in_the_memory_of_some_blocks() {
         estimates: Vec::new(),
         combined_wind: false,
         earth_wind: false,
+        cores: Vec::new(),
     };
     let mut writer = RecordingWriter::create(&temp.path, layout, &Metadata::new()).unwrap();
     let mut noise = 1_u32;
