@@ -16,6 +16,10 @@ use super::options::AveragingOptions;
 
 /// Fewer intervals say nothing.
 const LEAST_INTERVALS: usize = 10;
+/// Units of a reference that took no metres per second, over those.
+const OTHER_UNITS: [(&str, f64); 3] = [("km/h", 3.6), ("knots", 1.944), ("mph", 2.237)];
+/// Ratio up to which a scale is that of another unit.
+const SAME_UNIT: f64 = 0.05;
 /// Standard uncertainties beyond which an offset is one.
 const SIGNIFICANT: f64 = 2.0;
 
@@ -118,6 +122,10 @@ fn fit(
 impl ReferenceCheck {
     /// Why the scale alone should not go into a calibration, if it should not.
     pub fn objection(&self) -> Option<String> {
+        let is_of = |(_, per_m_s): &&(&str, f64)| (self.scale.value / per_m_s - 1.0).abs() < SAME_UNIT;
+        if let Some((unit, _)) = OTHER_UNITS.iter().find(is_of) {
+            return Some(format!("the reference seems to be in {unit}: its table takes m/s"));
+        }
         let Sampled { value, u } = self.offset_m_s;
         (value.abs() > SIGNIFICANT * u).then(|| {
             format!("an offset of {value:.3} ± {u:.3} m/s is no scale: find its cause (gas, support, sun, drift), or calibrate the head anew")
@@ -174,6 +182,8 @@ mod tests {
         let found = fit(&pairs(1, 0.98, 0.0, 0.01), &[], 60.0, 0.01).unwrap();
         assert!((found.scale.u / found.scale.value - 0.01).abs() < 1e-3);
         assert!(found.objection().is_none(), "{found}");
+        let in_knots = fit(&pairs(1, 1.9, 0.0, 0.01), &[], 60.0, 0.01).unwrap().objection().unwrap();
+        assert_eq!(in_knots, "the reference seems to be in knots: its table takes m/s");
         let error = fit(&pairs(1, 1.0, 0.0, 0.0)[..9], &[], 60.0, 0.0).unwrap_err().to_string();
         assert!(error.starts_with("9 intervals have both"), "{error}");
     }

@@ -41,7 +41,7 @@ use crate::model::convection_observer::{
     ConvectionEstimate, ConvectionObserver, ConvectionObserverState, NO_SUCH_ELEMENT, TickInput,
 };
 use crate::room::room;
-use crate::wind::calibration_uncertainty::{ContradictionMemory, SpeedScale};
+use crate::wind::calibration_uncertainty::ContradictionMemory;
 use crate::wind::convection::ConvectionSettings;
 use crate::wind::estimate::WindEstimate;
 use crate::wind::form::MOST_SURFACES;
@@ -297,18 +297,16 @@ impl<const N: usize> Anemometer<N> {
         let gas = self.gas(gas_c, overheat_k);
         quality_flags = quality_flags.with(QualityFlags::NO_GAS, gas.is_none());
         if let (Some(head), Some(gas), Some(gas_c)) = (&output.head, gas, gas_c) {
-            let WindOutputConfig { diameter_m, direction_error_max_rad, reynolds, .. } = output.config;
+            let WindOutputConfig { diameter_m, direction_error_max_rad, .. } = output.config;
             report.wind = head.step(wind, &gas, &measured);
-            let (mut slowest, mut away) = (None, [0.0; 2]);
             if let Some(convection) = &self.setup.convection {
-                let ConvectionSettings { free_stream, slowest_reynolds, .. } = convection;
+                let free_stream = &convection.free_stream;
                 let rise_speed_m_s = free_stream.rise_speed_m_s(overheat_k, gas_c + ZERO_CELSIUS_K, diameter_m);
                 report.wind = free_stream.described(report.wind, rise_speed_m_s, direction_error_max_rad);
-                (slowest, away) = (Some(*slowest_reynolds), convection.away(gas_c));
             }
-            if let (Some(uncertainty), Some([least, most])) = (&self.setup.uncertainty, reynolds) {
-                let reynolds = [slowest.unwrap_or(least).max(least).min(most), most];
-                let scale = SpeedScale { reynolds, per_speed: gas.reynolds_per_speed(diameter_m), away };
+            if let (Some(uncertainty), Some(scale)) =
+                (&self.setup.uncertainty, self.setup.scale(&output.config, &gas, gas_c))
+            {
                 report.wind = uncertainty.added_to(report.wind, &measured, &scale, direction_error_max_rad);
             }
         }

@@ -26,6 +26,7 @@
 
 use super::estimate::{WindEstimate, standard_errors};
 use super::quality_flags::QualityFlags;
+use super::surface::direction;
 use crate::arithmetic::{cross, dot, length, plus, scaled, sqrt};
 use crate::error::{self, ConfigError, Parameter, ParameterProblem};
 
@@ -310,18 +311,6 @@ fn chord(cosine: f32) -> f32 {
 fn angle(chord: f32) -> (f32, f32) {
     let square = chord * chord;
     (1.0 - 0.5 * square, chord * sqrt((1.0 - 0.25 * square).max(0.0)))
-}
-
-/// The unit vector along one.
-fn direction(parameter: Parameter, vector: [f32; 3]) -> Result<[f32; 3], ConfigError> {
-    for x in vector {
-        error::within(parameter, x, -1e6, 1e6)?;
-    }
-    let size = length(vector);
-    if size < 1e-3 {
-        return Err(ConfigError { parameter, problem: ParameterProblem::NotPositive });
-    }
-    Ok(scaled(vector, 1.0 / size))
 }
 
 #[cfg(test)]

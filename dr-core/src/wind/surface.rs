@@ -208,7 +208,7 @@ impl NusseltSurface {
 }
 
 /// The unit vector along one that is long enough to have a direction.
-fn direction(parameter: Parameter, vector: [f32; 3]) -> Result<[f32; 3], ConfigError> {
+pub(super) fn direction(parameter: Parameter, vector: [f32; 3]) -> Result<[f32; 3], ConfigError> {
     for x in vector {
         error::finite(parameter, x)?;
     }

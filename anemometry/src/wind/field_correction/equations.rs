@@ -143,7 +143,7 @@ fn linear<const N: usize>(
     let expected: [Conductance; SECTORS] = [a, b, c, d];
     let spare = SpareNumber::of(&measured, &share_per_k, &expected)?;
     let square: f64 = (0..SECTORS).map(|i| slot.conductance_w_k[i].powi(2) / slot.variance_w2_k2[i]).sum();
-    let share = f64::from(anemometer.missed_share(&gas, wind.speed_m_s));
+    let share = f64::from(anemometer.missed_share(&gas, slot.gas_c as f32, wind.speed_m_s));
     let missed = share * (square / SECTORS as f64).sqrt();
     Some(LinearSlot { spare, wind_m_s: wind.wind_m_s.map(f64::from), missed })
 }

@@ -5,10 +5,11 @@ use super::head_inverse::HeadInverse;
 use super::output::{PreparedOutput, READING_TIMEOUT_S, REFERENCE_TIMEOUT_S, SATURATED_S, STARTING};
 use crate::error::{self, ConfigError, Parameter, ParameterProblem};
 use crate::model::mesh;
-use crate::wind::calibration_uncertainty::{CalibrationUncertainty, MEMORY_S};
+use crate::wind::calibration_uncertainty::{CalibrationUncertainty, MEMORY_S, SpeedScale};
 use crate::wind::card_inverse::{Card, CardConfig, DICE};
 use crate::wind::convection::ConvectionSettings;
 use crate::wind::form::{HeadForm, MOST_SURFACES};
+use crate::wind::gas::GasState;
 use crate::wind::gas_law::GasLaw;
 use crate::wind::nusselt::{NusseltConfig, ORDERS, POINTS};
 use crate::wind::surface::{NusseltSurface, SurfaceConfig};
@@ -53,6 +54,18 @@ impl AnemometerSetup {
     /// The surfaces, from the first on.
     pub fn surfaces(&self) -> impl Iterator<Item = &HeadSurface> {
         self.surfaces.iter().map_while(Option::as_ref)
+    }
+
+    /// From speeds to the calibration's Reynolds numbers, in a gas of such a temperature; none of a
+    /// head without a calibration.
+    pub fn scale(&self, config: &WindOutputConfig, gas: &GasState, gas_c: f32) -> Option<SpeedScale> {
+        let [least, most] = config.reynolds?;
+        let slowest = self.convection.as_ref().map_or(least, |convection| convection.slowest_reynolds);
+        Some(SpeedScale {
+            reynolds: [slowest.max(least).min(most), most],
+            per_speed: gas.reynolds_per_speed(config.diameter_m),
+            away: self.convection.as_ref().map_or([0.0; 2], |convection| convection.away(gas_c)),
+        })
     }
 
     /// Checks all settings together and prepares the output.

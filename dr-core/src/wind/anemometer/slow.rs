@@ -2,7 +2,6 @@
 
 use super::Anemometer;
 use crate::wind::anemometer::head_inverse::HeadInverse;
-use crate::wind::calibration_uncertainty::SpeedScale;
 use crate::wind::gas::GasState;
 use crate::wind::slow_errors::SurfaceCorrection;
 use crate::wind::sphere::SECTORS;
@@ -30,11 +29,9 @@ impl<const N: usize> Anemometer<N> {
 
     /// κ: share of a conductance by which the calibration misses it at a speed; 0 where it does not
     /// say.
-    pub fn missed_share(&self, gas: &GasState, speed_m_s: f32) -> f32 {
-        let config = self.output.as_ref().map(|output| output.config);
-        let (Some(uncertainty), Some(config)) = (&self.setup.uncertainty, config) else { return 0.0 };
-        let Some(reynolds) = config.reynolds else { return 0.0 };
-        let scale = SpeedScale { reynolds, per_speed: gas.reynolds_per_speed(config.diameter_m), away: [0.0; 2] };
+    pub fn missed_share(&self, gas: &GasState, gas_c: f32, speed_m_s: f32) -> f32 {
+        let scale = self.output.as_ref().and_then(|output| self.setup.scale(&output.config, gas, gas_c));
+        let (Some(uncertainty), Some(scale)) = (&self.setup.uncertainty, scale) else { return 0.0 };
         uncertainty.conductance_share_at(scale.place(speed_m_s * scale.per_speed))
     }
 
