@@ -108,6 +108,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.service {
         return crate::output::print(&crate::service::unit(&experiment.title)?);
     }
+    crate::output::note_corrections(&experiment.head);
     arguments.publish.mount(&mut experiment.head)?;
     let mut known = crate::run::metadata(&experiment, on);
     let Begin { begin_s, begin, continued } = begin(folder, &experiment, &mut known)?;

@@ -90,6 +90,14 @@ pub fn warn(text: &str) {
     let _ = writeln!(std::io::stderr(), "warning: {}", sentence(text));
 }
 
+/// Says that corrections of a head are applied, if it carries any.
+pub fn note_corrections(head: &Head) {
+    let correction = head.calibration.as_ref().and_then(|of| of.table.correction.as_ref());
+    if let Some(correction) = correction {
+        let _ = writeln!(std::io::stderr(), "{}", sentence(&correction.sentence()));
+    }
+}
+
 /// Prints a result. A reader that has gone away (`| head`) does not make the command fail.
 pub fn print(text: &str) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();

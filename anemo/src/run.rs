@@ -53,6 +53,7 @@ pub struct Arguments {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let (experiment, _) = crate::output::read_experiment(&arguments.experiment, arguments.instrument.on.board())?;
+    crate::output::note_corrections(&experiment.head);
     experiment.differences().iter().for_each(|difference| crate::output::warn(difference));
     let simulated = !matches!(arguments.instrument.on, On::Serial(_));
     let layout = layout(&experiment, &arguments.instrument.on);

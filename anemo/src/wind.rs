@@ -25,6 +25,9 @@ use recording::{Metadata, RecordingLayout, RecordingReader, RecordingRow, Writer
 /// which slow error of single surfaces would explain it: heat (sun, sky, a resistor that drifts) or
 /// gain (dust). With --field-correction that is found over the whole recording and taken out; what
 /// the winds do not determine stays, and widens the uncertainties. A low bandwidth shows most.
+///
+/// With --write-head a head gets their means over the recording. Whatever uses that head applies
+/// them, on the board, too. Slow errors of a head that carries corrections are those that are left.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -36,7 +39,7 @@ Examples:
 
   anemo run experiments/field/sun.toml --on sim -o sun.parquet
   anemo wind sun.parquet --head head.toml --bandwidth 0.5 --from 600 \\
-      --settle 5 --field-correction offsets
+      --settle 5 --field-correction offsets --write-head sunny.toml
 
   anemo run experiments/wind/rems/winds.toml --on sim -o card-winds.parquet
   anemo wind card-winds.parquet --head card1.toml \\
@@ -88,6 +91,9 @@ pub struct Arguments {
     /// Find slow errors of single surfaces in this recording and correct the wind by them.
     #[arg(long, value_name = "offsets|gains|both")]
     field_correction: Option<FieldCorrectionOption>,
+    /// Write a head with these corrections, a .toml file.
+    #[arg(long, value_name = "FILE", requires = "field_correction")]
+    write_head: Option<PathBuf>,
     /// Write the estimates to this .parquet or .csv file.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -140,6 +146,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         WindEstimation::new(&arguments.recording, &head, &options, table.as_ref()).map_err(Failure::usage)?;
     if let Some(kind) = arguments.field_correction {
         let correction = field_correction(&mut estimation, kind.into())?;
+        if let Some(path) = &arguments.write_head {
+            write_head(path, arguments, &estimation, &correction, &known)?;
+        }
         let again =
             WindEstimation::new(&arguments.recording, &head, &options, table.as_ref()).map_err(Failure::usage)?;
         estimation = again.corrected(correction);
@@ -188,7 +197,11 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     recorded.finish(&Metadata::new())?;
     let mut report = estimation.report();
     report.written =
-        [arguments.output.as_deref(), arguments.picture.path()].into_iter().flatten().map(Path::to_owned).collect();
+        [arguments.write_head.as_deref(), arguments.output.as_deref(), arguments.picture.path()]
+            .into_iter()
+            .flatten()
+            .map(Path::to_owned)
+            .collect();
     crate::output::print_report(&report, arguments.json)
 }
 
@@ -196,6 +209,21 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
 fn field_correction(estimation: &mut WindEstimation<'_>, kind: SlowErrorKind) -> Result<FieldCorrection, Failure> {
     while estimation.next_estimate().map_err(Failure::work)?.is_some() {}
     estimation.slow_errors(kind).map_err(|error| Failure::work(format!("--field-correction: {error}")))
+}
+
+/// Writes a head with what was found, and with what it already carries.
+fn write_head(
+    path: &Path,
+    arguments: &Arguments,
+    estimation: &WindEstimation<'_>,
+    correction: &FieldCorrection,
+    known: &Metadata,
+) -> Result<(), Failure> {
+    let name = arguments.recording.file_name().unwrap_or_default().to_string_lossy();
+    let found = format!("{} in {name}", correction.kind.word());
+    let day = known.iter().find(|(key, _)| key == "start_utc").and_then(|(_, text)| text.get(..10));
+    let text = estimation.corrected_head(correction, &found, day).map_err(|error| Failure::in_file(path, error))?;
+    crate::output::write_text(path, &text)
 }
 
 /// Checks the options by themselves.
@@ -217,7 +245,11 @@ fn check(arguments: &Arguments) -> Result<(), Failure> {
     }
     let read = [Some(&arguments.recording), arguments.head.as_ref(), arguments.winds.as_ref()];
     let read: Vec<_> = read.into_iter().flatten().map(PathBuf::as_path).collect();
-    crate::output::keep(&read, &[arguments.output.as_deref(), arguments.picture.path()])?;
+    let written = [arguments.write_head.as_deref(), arguments.output.as_deref(), arguments.picture.path()];
+    crate::output::keep(&read, &written)?;
+    if let Some(path) = &arguments.write_head {
+        crate::output::writable(path, "a head", "toml")?;
+    }
     arguments.output.as_deref().map_or(Ok(()), check_name).map_err(Failure::usage)
 }
 

@@ -97,6 +97,7 @@ pub enum Parameter {
     NusseltAtRest,
     Buoyancy,
     StemMap,
+    SurfaceCorrection,
 }
 
 impl Parameter {

@@ -10,6 +10,7 @@
 //! | 0x0600 | `host_timeout_s` | command `HostTimeout` |
 //! | 0x0700 | `fingerprint` | command `Fingerprint` |
 //! | 0x10ee, 0x11ee, 0x12ee | `element`, `model`, `drive` | of element ee |
+//! | 0x1c00 … 0x1f00 | `correction`, `convection`, `uncertainty`, `form` | what a head has of them |
 //! | 0x20ee | `own` | command `SelfHeating` of element ee |
 //! | 0x21es | `faster` | command `FasterGains`: set s of element e |
 //! | 0x22ft | `cross` | command `CrossHeating` from element f to element t |
@@ -73,6 +74,8 @@ pub enum SettingKind {
     Model = 0x11,
     /// What it does.
     Drive = 0x12,
+    /// Slow errors of surfaces that are taken out.
+    Correction = 0x1c,
     /// How the convection of surfaces is taken.
     Convection = 0x1d,
     /// What the calibration adds to the uncertainty of the wind.
@@ -217,6 +220,7 @@ impl Setting {
                     WindCommand::Gas { .. } => (SettingKind::Gas, 0),
                     WindCommand::Uncertainty(_) => (SettingKind::Uncertainty, 0),
                     WindCommand::Convection(_) => (SettingKind::Convection, 0),
+                    WindCommand::Correction(_) => (SettingKind::Correction, 0),
                 },
                 Command::Clear
                 | Command::Start

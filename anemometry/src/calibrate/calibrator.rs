@@ -218,6 +218,7 @@ impl<'a> Calibrator<'a> {
                 CalibrationResult::Card { .. } => None,
             },
             uncertainty: self.uncertainty(&result, steady)?,
+            correction: None,
             surfaces: self.surfaces(&result),
             self_heating: network.own.clone(),
             cross_heating: network.cross.clone(),

@@ -48,6 +48,7 @@ impl Head {
             WindCommand::Card(_) => "calibration.card".to_owned(),
             WindCommand::Uncertainty(_) => "calibration.uncertainty".to_owned(),
             WindCommand::Convection(_) => "calibration.convection".to_owned(),
+            WindCommand::Correction(_) => "calibration.correction".to_owned(),
             WindCommand::GasLaw(_) => "calibration.reference_gas_c".to_owned(),
             WindCommand::Form(_) | WindCommand::Output(_) | WindCommand::Gas { .. } => "calibration".to_owned(),
         }

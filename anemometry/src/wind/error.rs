@@ -34,6 +34,19 @@ pub enum WindError {
     Gas(#[from] GasInputError),
 }
 
+/// Why a head does not get corrections.
+#[derive(Debug, thiserror::Error)]
+pub enum CorrectedHeadError {
+    /// Nothing contradicts, or what was found leaves most of it.
+    #[error(
+        "nothing is written: the slow errors that were found do not explain what contradicts, or nothing contradicts"
+    )]
+    Unexplained,
+    /// The head cannot be written.
+    #[error(transparent)]
+    File(#[from] FileError),
+}
+
 /// Pressure or temperature of the gas that is not known, known twice, or impossible: a sentence.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{0}")]

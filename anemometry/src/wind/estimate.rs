@@ -5,11 +5,13 @@ use std::path::{Path, PathBuf};
 
 use diffusive::model::Conditions;
 use dr_core::wind::QualityFlags;
+use dr_core::wind::slow_errors::SurfaceCorrection;
+use dr_core::wind::sphere::SECTORS;
 use recording::text::tidy;
 use wire::WindSample;
 
 use super::comparison::WindComparison;
-use super::error::WindError;
+use super::error::{CorrectedHeadError, WindError};
 use super::field_correction::{FieldCorrection, SlowErrorKind, SlowErrorReport, SlowErrorsUnknown, SlowEvidence};
 use super::gas_input::{GasInput, temperature_column};
 use super::gas_uncertainty::{GasReadingErrors, GasUncertainty};
@@ -22,6 +24,7 @@ use super::report::WindReport;
 use super::tally::EstimateTally;
 use super::unknown_heat::{UnknownHeat, contradiction};
 use crate::head::calibration::checked::Calibration;
+use crate::head::calibration::correction::CorrectionTable;
 use crate::head::file::Head;
 use crate::head::output::WindOutput;
 
@@ -96,6 +99,8 @@ pub struct WindEstimation<'a> {
     levels: LevelRecord,
     evidence: SlowEvidence,
     correction: Option<FieldCorrection>,
+    /// Corrections that the head carries.
+    former: Option<[SurfaceCorrection; SECTORS]>,
     /// Least and greatest temperature of the gas in estimates that count, °C.
     gas_c: Option<[f64; 2]>,
     unknown_heat: Vec<UnknownHeat>,
@@ -151,6 +156,7 @@ impl<'a> WindEstimation<'a> {
             levels: LevelRecord::default(),
             evidence: SlowEvidence::default(),
             correction: None,
+            former: calibration.corrections(),
             gas_c: None,
             unknown_heat: cores(calibration),
             warnings,
@@ -189,6 +195,21 @@ impl<'a> WindEstimation<'a> {
     /// If the head has no number to spare, or the recording no wind that says something.
     pub fn slow_errors(&self, kind: SlowErrorKind) -> Result<FieldCorrection, SlowErrorsUnknown> {
         FieldCorrection::find(&self.evidence, self.anemometer.anemometer(), kind, self.output.bandwidth_hz)
+    }
+
+    /// The head's file with slow errors that were found in this recording in its table of
+    /// corrections, on top of those that it carries; `found` says by what, `day` when.
+    ///
+    /// # Errors
+    /// If they do not explain what contradicts, or the file cannot be written.
+    pub fn corrected_head(
+        &self,
+        correction: &FieldCorrection,
+        found: &str,
+        day: Option<&str>,
+    ) -> Result<String, CorrectedHeadError> {
+        let whole = correction.constant(self.former.as_ref()).ok_or(CorrectedHeadError::Unexplained)?;
+        Ok(self.calibration.with_corrections(&whole, found, day, self.head)?.0)
     }
 
     /// The slow errors that were corrected, or those that explain why estimates contradict
@@ -236,7 +257,7 @@ impl<'a> WindEstimation<'a> {
                 self.levels.add(&moment.tick);
             }
             if let Some(correction) = &self.correction {
-                let corrections = correction.corrections(moment.time_s);
+                let corrections = correction.corrections(moment.time_s, self.former.as_ref());
                 self.anemometer.correct(corrections);
                 self.gas_errors.correct(corrections);
             }
@@ -303,6 +324,7 @@ impl<'a> WindEstimation<'a> {
             recording: self.recording,
             head: self.head.name.clone(),
             made_from: self.calibration.table.made_from.clone(),
+            correction: self.calibration.table.correction.as_ref().map(CorrectionTable::sentence),
             in_plane: self.calibration.plane_normal().is_some(),
             estimates: self.estimates,
             output: self.output,

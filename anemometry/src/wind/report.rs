@@ -23,6 +23,8 @@ pub struct WindReport {
     pub head: String,
     /// Recordings and cross-validation of its calibration, in words.
     pub made_from: String,
+    /// That corrections of the head are applied, in words, if it carries any.
+    pub correction: Option<String>,
     /// Whether it outputs the wind in a plane only.
     pub in_plane: bool,
     /// Number of all estimates.
@@ -68,6 +70,7 @@ impl Serialize for WindReport {
         map.serialize_entry("fixed", &self.output.fixed)?;
         map.serialize_entry("output_interval_s", &self.output.interval_s)?;
         map.serialize_entry("gas", &self.gas)?;
+        map.serialize_entry("correction", &self.correction)?;
         map.serialize_entry("warnings", &self.warnings)?;
         map.serialize_entry("gaps", &self.gaps)?;
         map.serialize_entry("missing_s", &self.missing_s)?;
@@ -104,6 +107,9 @@ impl fmt::Display for WindReport {
         writeln!(f, "{estimates}, one each {interval_s} s, bandwidth {bandwidth_hz} Hz{fixed}")?;
         if let Some(why) = &self.fixed_because {
             writeln!(f, "the bandwidth stays fixed for {why}")?;
+        }
+        if let Some(correction) = &self.correction {
+            writeln!(f, "{correction}")?;
         }
         for warning in &self.warnings {
             writeln!(f, "warning: {warning}")?;

@@ -9,7 +9,7 @@ use std::string::{String, ToString};
 use std::vec::Vec;
 
 /// In the order of their declaration, which is the one on the wire.
-const ALL: [Parameter; 76] = [
+const ALL: [Parameter; 77] = [
     Parameter::Resistance0cOhm,
     Parameter::CoefficientPerC,
     Parameter::VoltPerCode,
@@ -86,6 +86,7 @@ const ALL: [Parameter; 76] = [
     Parameter::NusseltAtRest,
     Parameter::Buoyancy,
     Parameter::StemMap,
+    Parameter::SurfaceCorrection,
 ];
 
 /// The words of a variant, as they would be written in a file: `current_low_a` for `CurrentLowA`.

@@ -97,6 +97,7 @@ pub struct Anemometer<const N: usize> {
     output: Option<PreparedOutput>,
     pressure_pa: Option<f32>,
     given_gas_c: Option<f32>,
+    /// Of slow errors, by the head's table or, off line, by what was found in a recording.
     corrections: Option<[SurfaceCorrection; SECTORS]>,
     state: AnemometerState<N>,
     /// Of all pieces; set with the first command. Checksums in the constructor would make the
@@ -171,6 +172,12 @@ impl<const N: usize> Anemometer<N> {
             WindCommand::Form(form) => self.setup.form = *form,
             WindCommand::Uncertainty(uncertainty) => self.setup.uncertainty = Some(uncertainty.checked()?),
             WindCommand::Convection(config) => self.setup.convection = Some(ConvectionSettings::new(config)?),
+            WindCommand::Correction(corrections) => {
+                for correction in corrections {
+                    correction.checked()?;
+                }
+                self.corrections = Some(*corrections);
+            }
             WindCommand::GasLaw(config) => self.setup.gas_law = Some(GasLaw::new(config)?),
             WindCommand::Output(config) => {
                 self.output = Some(self.setup.prepare::<N>(config, sample_period_s)?);
@@ -182,7 +189,7 @@ impl<const N: usize> Anemometer<N> {
                     error::within(Parameter::GasTemperatureC, temperature_c, -273.15, 1e4)?;
                 }
                 (self.pressure_pa, self.given_gas_c) = (Some(*pressure_pa), *temperature_c);
-                self.update_gas_checksum();
+                self.update_given_checksum();
                 return Ok(());
             }
         }
@@ -280,15 +287,17 @@ impl<const N: usize> Anemometer<N> {
                 }
                 let mut conductance_w_k = part.gain * flow_w(part, output, convection) / overheat_k;
                 let share = part.gain / overheat_k;
+                let noise_w2_k2 = share * share * convection.variance_w2[i];
+                let mut variance_w2_k2 = noise_w2_k2;
                 if let Some(correction) = self.corrections.as_ref().and_then(|of| of.get(p)) {
+                    variance_w2_k2 += correction.variance_w2_k2(conductance_w_k, share);
                     conductance_w_k = correction.corrected_w_k(conductance_w_k, share);
                 }
-                let variance_w2_k2 = share * share * convection.variance_w2[i];
                 report.conductance_w_k[p] = conductance_w_k;
                 if let (Some(variance), Some(overheat)) =
                     (report.variance_w2_k2.get_mut(p), report.overheat_k.get_mut(p))
                 {
-                    (*variance, *overheat) = (variance_w2_k2, overheat_k);
+                    (*variance, *overheat) = (noise_w2_k2, overheat_k);
                 }
                 measured[p] = Some(MeasuredConductance { conductance_w_k, variance_w2_k2 });
             }

@@ -5,6 +5,7 @@
 //!
 //! ```text
 //! G'_i = (1 + γ_i) (G_i + c_i S_i / θ_i)                      corrected
+//! u²(G'_i) = ((1 + γ_i) c_i u(S_i) / θ_i)² + ((G_i + c_i S_i / θ_i) u(γ_i))²
 //! n ⊥ W^½ ∂G/∂v,  |n| = 1                                     W = diag(1/σ_i²)
 //! z = nᵀ W^½ (G − G(v))  ≈ −Σ_i n_i/σ_i (c_i/θ_i S_i + G_i γ_i) + noise
 //! ```
@@ -20,25 +21,72 @@
 //! z is one equation in eight unknowns; n turns with the wind, so that varied winds make it many.
 //!
 //! *Limits.* Linear about v, and of heads with [`SECTORS`] surfaces that determine three
-//! components.
+//! components. Uncertainties of corrections count as if each were independent of the others.
 
 use super::sphere::SECTORS;
 use super::surface_inverse::{Conductance, MeasuredConductance};
 use crate::arithmetic::{cross, dot, scaled, sqrt};
+use crate::error::{self, ConfigError, Parameter};
+
+/// Largest heat that a correction may have, W, and γ from the least to the greatest: what is wrong
+/// by more is broken.
+const MOST_OFFSET_W: f32 = 1.0;
+const GAINS: [f32; 2] = [-0.9, 9.0];
 
 /// What is added to a conductance and multiplied with it.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Fields!)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SurfaceCorrection {
     /// S, W.
     pub offset_w: f32,
     /// γ.
     pub gain: f32,
+    /// Standard uncertainty of S, W.
+    pub offset_u_w: f32,
+    /// Standard uncertainty of γ.
+    pub gain_u: f32,
 }
 
 impl SurfaceCorrection {
     /// G' of a conductance; `share_per_k` is c/θ, 1/K.
     pub fn corrected_w_k(&self, conductance_w_k: f32, share_per_k: f32) -> f32 {
         (1.0 + self.gain) * (conductance_w_k + share_per_k * self.offset_w)
+    }
+
+    /// u² of that G', W²/K².
+    pub fn variance_w2_k2(&self, conductance_w_k: f32, share_per_k: f32) -> f32 {
+        let by_offset = (1.0 + self.gain) * share_per_k * self.offset_u_w;
+        let by_gain = (conductance_w_k + share_per_k * self.offset_w) * self.gain_u;
+        by_offset * by_offset + by_gain * by_gain
+    }
+
+    /// One correction for two: `former`, and this one of what `former` has corrected. An
+    /// uncertainty of this one takes the place of the former's, since it is of what both are
+    /// together.
+    #[must_use]
+    pub fn on_top_of(&self, former: &Self) -> Self {
+        let own_or = |own: f32, former: f32| if own > 0.0 { own } else { former };
+        let factor = 1.0 + former.gain;
+        Self {
+            offset_w: former.offset_w + self.offset_w / factor,
+            gain: former.gain + factor * self.gain,
+            offset_u_w: own_or(self.offset_u_w / factor, former.offset_u_w),
+            gain_u: own_or(self.gain_u * factor, former.gain_u),
+        }
+    }
+
+    /// As it is, if it can be.
+    ///
+    /// # Errors
+    /// A number that is not finite, or larger than those of a sound head.
+    pub fn checked(self) -> Result<Self, ConfigError> {
+        let parameter = Parameter::SurfaceCorrection;
+        let [least, most] = GAINS;
+        error::within(parameter, self.offset_w, -MOST_OFFSET_W, MOST_OFFSET_W)?;
+        error::within(parameter, self.gain, least, most)?;
+        error::within(parameter, self.offset_u_w, 0.0, MOST_OFFSET_W)?;
+        error::within(parameter, self.gain_u, 0.0, most)?;
+        Ok(self)
     }
 }
 
@@ -135,9 +183,48 @@ mod tests {
 
     #[test]
     fn a_correction_takes_back_what_sun_and_dust_did() {
-        let correction = SurfaceCorrection { offset_w: 3e-3, gain: 1.0 / 0.95 - 1.0 };
+        let correction = SurfaceCorrection { offset_w: 3e-3, gain: 1.0 / 0.95 - 1.0, ..Default::default() };
         let dusty = 0.95 * 1e-3 - 3e-3 / 30.0;
         assert!((correction.corrected_w_k(dusty, 1.0 / 30.0) - 1e-3).abs() < 1e-9);
+    }
+
+    #[test]
+    fn two_corrections_one_after_the_other_are_the_one_that_they_make_together() {
+        let former = SurfaceCorrection { offset_w: 2e-3, gain: 0.05, offset_u_w: 1e-4, gain_u: 0.01 };
+        let anew = SurfaceCorrection { offset_w: -5e-4, gain: 0.02, offset_u_w: 2e-5, gain_u: 0.0 };
+        let both = anew.on_top_of(&former);
+        let (g, share) = (1e-3, 1.0 / 30.0);
+        let one_by_one = anew.corrected_w_k(former.corrected_w_k(g, share), share);
+        assert!((both.corrected_w_k(g, share) / one_by_one - 1.0).abs() < 1e-6, "{both:?}");
+        // What was sought anew is as certain as that; what was not stays as it was.
+        assert_eq!((both.offset_u_w, both.gain_u), (2e-5 / 1.05, 0.01));
+        assert_eq!(SurfaceCorrection::default().on_top_of(&former), former);
+    }
+
+    #[test]
+    fn uncertainties_of_a_correction_are_those_of_small_changes() {
+        let of = SurfaceCorrection { offset_w: 1e-3, gain: 0.1, offset_u_w: 1e-4, gain_u: 1e-2 };
+        let (g, share) = (1e-3, 1.0 / 30.0);
+        let more = SurfaceCorrection { offset_w: of.offset_w + of.offset_u_w, ..of };
+        let steeper = SurfaceCorrection { gain: of.gain + of.gain_u, ..of };
+        let step = |other: SurfaceCorrection| other.corrected_w_k(g, share) - of.corrected_w_k(g, share);
+        let expected = step(more) * step(more) + step(steeper) * step(steeper);
+        assert!((of.variance_w2_k2(g, share) / expected - 1.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn corrections_that_no_sound_head_needs_are_refused() {
+        let good = SurfaceCorrection { offset_w: 3e-3, gain: 0.05, offset_u_w: 1e-4, gain_u: 0.01 };
+        assert_eq!(good.checked(), Ok(good));
+        for bad in [
+            SurfaceCorrection { offset_w: f32::NAN, ..good },
+            SurfaceCorrection { offset_w: 1.5, ..good },
+            SurfaceCorrection { gain: -1.0, ..good },
+            SurfaceCorrection { offset_u_w: -1e-4, ..good },
+            SurfaceCorrection { gain_u: f32::INFINITY, ..good },
+        ] {
+            assert_eq!(bad.checked().map_err(|error| error.parameter), Err(Parameter::SurfaceCorrection), "{bad:?}");
+        }
     }
 
     #[test]

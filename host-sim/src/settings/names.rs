@@ -186,7 +186,7 @@ mod tests {
     #[test]
     fn every_key_has_a_name_that_leads_back_to_it() {
         let keys: Vec<SettingKey> = (0..=KeyNumber::MAX).filter_map(SettingKey::of_number).collect();
-        assert_eq!(keys.len(), 24 * 256);
+        assert_eq!(keys.len(), 25 * 256);
         for number in keys.iter().map(|key| key.number()) {
             assert_eq!(super::number(&of(number)), Some(number), "{}", of(number));
         }

@@ -45,7 +45,7 @@ pub fn blow_corrected(
     let mut second = beside(experiment, head, mode)?;
     let mut gas_errors = gas_errors_beside(experiment, head, mode, gas)?;
     for moment in &moments {
-        let corrections = correction.corrections(moment.time_s);
+        let corrections = correction.corrections(moment.time_s, first.anemometer().corrections());
         second.correct(corrections);
         gas_errors.correct(corrections);
         let estimate = second.step_whole(&moment.tick);

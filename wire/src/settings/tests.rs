@@ -7,6 +7,7 @@ use dr_core::model::{
 };
 use dr_core::sensor::{Channel, Platinum};
 use dr_core::wind::HeadForm;
+use dr_core::wind::slow_errors::SurfaceCorrection;
 use dr_core::wind::{
     CalibrationUncertainty, CardConfig, ConvectionConfig, GasLawConfig, HeadSurface, RiseConfig, StemConfig,
     SurfaceConfig, WindOutputConfig,
@@ -77,6 +78,9 @@ fn one_of_each() -> Vec<Setting> {
         Command::Element { element: 1, config: ElementConfig { channel, limits } },
         Command::Model { element: 2, model },
         Command::Drive { element: 3, drive: Drive::Passive },
+        Command::Wind(WindCommand::Correction(
+            [SurfaceCorrection { offset_w: 0.5, gain: 0.25, offset_u_w: 0.125, gain_u: 0.0625 }; 4],
+        )),
         Command::Wind(WindCommand::Convection(ConvectionConfig {
             film_share: 0.5,
             nusselt_at_rest: 2.0,

@@ -14,7 +14,7 @@ pub const FIRST_VERSION: u32 = 1;
 
 impl Calibration {
     /// The table with its network, as it is written.
-    fn whole_table(&self) -> CalibrationTable {
+    pub(super) fn whole_table(&self) -> CalibrationTable {
         let (self_heating, cross_heating) = (self.network.own.clone(), self.network.cross.clone());
         CalibrationTable { self_heating, cross_heating, ..self.table.clone() }
     }

@@ -54,6 +54,7 @@ impl Calibration {
         calibration.check_cross_heating(keys)?;
         calibration.check_surfaces(keys)?;
         calibration.check_curves(keys)?;
+        calibration.check_correction(keys)?;
         Ok(calibration)
     }
 

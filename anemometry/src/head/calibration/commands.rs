@@ -61,6 +61,7 @@ impl Calibration {
         }
         let convection = self.table.convection.as_ref();
         commands.extend(convection.map(|of| WindCommand::Convection(of.config())));
+        commands.extend(self.corrections().map(WindCommand::Correction));
         commands.extend(self.table.uncertainty.as_ref().map(|of| WindCommand::Uncertainty(of.config())));
         let reference_c = self.table.reference_gas_c;
         let least_c = (reference_c - GAS_RANGE_K).max(*GAS_C.start());

@@ -9,6 +9,7 @@
 //! | `[calibration.nusselt]` | `least_reynolds`, `most_reynolds`, `amplitudes` (32 rows of a_0 … a_5); without it the head outputs conductances only |
 //! | `[calibration.card]` | in its place for four dice on a card: `least_reynolds`, `most_reynolds`, `mean` and `difference` (12 values over √Re from 0), `along`, `around`, `seen` (8 harmonics each), `mean_share`, `difference_share`; see [`dr_core::wind::card_inverse`] |
 //! | `[calibration.uncertainty]` | what the calibration adds to the uncertainty of the wind: `conductance_share`, `speed_share`, `direction_deg` (4 each, at Reynolds numbers in geometric progression), `chi_square_most`; without it only the noise counts; see [`dr_core::wind::calibration_uncertainty`] |
+//! | `[calibration.correction]` | slow errors that are taken out, by `anemo wind --write-head`: `made_from` (in words), `made_on` (day), and of every surface `[[calibration.correction.surfaces]]` with `element`, `offset_w` (heat beside the wind), `offset_u_w`, `gain_change` (share), `gain_change_u`; see [`dr_core::wind::slow_errors`] |
 //! | `[[calibration.surfaces]]` | `element`, `axis` and `corner` in the tunnel's frame, `area_m2`, `means`, `threefold`, `gain`, `quiescent_w_k` |
 //! | `[[calibration.self_heating]]` | `element`, `rest_c`, `noise_k` (low and high level), `mesh_rad_s`, `r_k_per_w`, `surface` (m_k, for an element that the wind cools) |
 //! | `[[calibration.cross_heating]]` | `from`, `to`, `mesh_rad_s`, `r_k_per_w`, `surface` |
@@ -28,6 +29,8 @@
 //! | `checks` | what is refused |
 //! | [`checked`] | a checked calibration |
 //! | `ageing` | its day, version, and a scale of its speed |
+//! | [`correction`] | corrections that the head carries, as they are written |
+//! | `corrected` | a calibration with them |
 //! | [`conditions`] | what it was made in |
 //! | `differences` | what follows in other conditions |
 //! | [`commands`] | it as commands of the board's anemometer |
@@ -38,6 +41,8 @@ pub mod checked;
 mod checks;
 pub mod commands;
 pub mod conditions;
+mod corrected;
+pub mod correction;
 mod differences;
 pub(super) mod keys;
 mod new;

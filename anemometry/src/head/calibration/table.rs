@@ -10,6 +10,7 @@ use recording::toml_file::exactly;
 use serde::{Deserialize, Serialize};
 
 use super::conditions::CalibrationConditions;
+use super::correction::CorrectionTable;
 use crate::gas::Species;
 use crate::network::parameters::{CrossHeatingParameters, SelfHeatingParameters};
 
@@ -60,6 +61,9 @@ pub struct CalibrationTable {
     /// What it adds to the uncertainty of the wind.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<UncertaintyTable>,
+    /// Slow errors that are taken out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub correction: Option<CorrectionTable>,
     /// Surfaces, in the head's order.
     #[serde(default, alias = "parts")]
     pub surfaces: Vec<SurfaceTable>,

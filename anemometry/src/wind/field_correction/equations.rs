@@ -34,6 +34,7 @@ pub fn corrections(errors: &SlowErrorsAt) -> [SurfaceCorrection; SECTORS] {
     core::array::from_fn(|i| SurfaceCorrection {
         offset_w: (1e-3 * errors.errors[i]) as f32,
         gain: (1e-2 * errors.errors[SECTORS + i]) as f32,
+        ..SurfaceCorrection::default()
     })
 }
 

@@ -51,6 +51,15 @@ impl SlowErrorKind {
             Self::Both => "both",
         }
     }
+
+    /// A correction without the uncertainty of what is sought anew.
+    const fn certain(self, of: SurfaceCorrection) -> SurfaceCorrection {
+        SurfaceCorrection {
+            offset_u_w: if matches!(self, Self::Gains) { of.offset_u_w } else { 0.0 },
+            gain_u: if matches!(self, Self::Offsets) { of.gain_u } else { 0.0 },
+            ..of
+        }
+    }
 }
 
 /// Slow errors over a recording.
@@ -214,10 +223,38 @@ impl FieldCorrection {
         self.found.get(place).or_else(|| self.found.last())
     }
 
-    /// Corrections at a time; nothing where the errors do not explain what contradicts.
-    pub fn corrections(&self, time_s: f64) -> [SurfaceCorrection; SECTORS] {
-        let at = self.at(time_s).filter(|_| self.explains());
-        at.map_or([SurfaceCorrection::default(); SECTORS], corrections)
+    /// Corrections at a time, on top of those with which the recording was gone through; these
+    /// alone where the errors do not explain what contradicts. The uncertainty of what was found
+    /// is not in them: [`Self::widen`] adds it.
+    pub fn corrections(
+        &self,
+        time_s: f64,
+        former: Option<&[SurfaceCorrection; SECTORS]>,
+    ) -> [SurfaceCorrection; SECTORS] {
+        let former = former.copied().unwrap_or_default();
+        let Some(at) = self.at(time_s).filter(|_| self.explains()) else { return former };
+        let found = corrections(at);
+        core::array::from_fn(|i| found[i].on_top_of(&self.kind.certain(former[i])))
+    }
+
+    /// Corrections that a head may carry, on top of those that it carries: means over the winds
+    /// that said something, with what the errors move by in their uncertainties; none where the
+    /// errors do not explain what contradicts.
+    pub fn constant(&self, former: Option<&[SurfaceCorrection; SECTORS]>) -> Option<[SurfaceCorrection; SECTORS]> {
+        let former = former.copied().unwrap_or_default();
+        let count = self.known().count().max(1) as f64;
+        let mean = |of: &dyn Fn(&SlowErrorsAt) -> f64| self.known().map(|(_, at)| of(at)).sum::<f64>() / count;
+        let number = |error: usize| {
+            let value = mean(&|at| at.errors[error]);
+            let square = mean(&|at| at.covariance[(error, error)].max(0.0) + (at.errors[error] - value).powi(2));
+            [value, square.sqrt()]
+        };
+        let correction = |i: usize| {
+            let [offset_w, offset_u_w] = number(i).map(|mw| (1e-3 * mw) as f32);
+            let [gain, gain_u] = number(SECTORS + i).map(|percent| (1e-2 * percent) as f32);
+            SurfaceCorrection { offset_w, gain, offset_u_w, gain_u }.on_top_of(&former[i])
+        };
+        self.explains().then(|| core::array::from_fn(correction))
     }
 }
 

@@ -9,6 +9,8 @@ use crate::wind::convection::ConvectionConfig;
 use crate::wind::form::HeadForm;
 use crate::wind::gas_law::GasLawConfig;
 use crate::wind::nusselt::ORDERS;
+use crate::wind::slow_errors::SurfaceCorrection;
+use crate::wind::sphere::SECTORS;
 use crate::wind::surface::SurfaceConfig;
 
 /// A surface of a head with the element that heats it.
@@ -99,4 +101,6 @@ pub enum WindCommand {
     /// How the convection of surfaces is taken; without it by the properties of the gas, in the
     /// wind itself.
     Convection(ConvectionConfig),
+    /// Slow errors of the first surfaces that are taken out; without it none.
+    Correction([SurfaceCorrection; SECTORS]),
 }

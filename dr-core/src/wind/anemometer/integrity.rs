@@ -8,7 +8,7 @@
 //! | an element of the network, two pairs of elements, a set of faster gains | [`ConvectionObserver::PIECES`] |
 //! | Nusselt points, surfaces, gas law, as they were set | 1 |
 //! | output settings, with the prepared inverse of the head | 1 |
-//! | the given pressure and temperature of the gas | 1 |
+//! | the given pressure and temperature of the gas, corrections of surfaces | 1 |
 //!
 //! States change in every tick and have no checksum: the network forgets a flipped bit as it
 //! forgets a wrong initial state.
@@ -27,8 +27,8 @@ impl<const N: usize> Anemometer<N> {
         (0..Self::PIECES).for_each(|piece| self.update_piece_checksum(piece));
     }
 
-    /// Updates the checksum of the given gas alone: this command is allowed while running.
-    pub(super) fn update_gas_checksum(&mut self) {
+    /// Updates the checksum of what is given while running: the gas, and corrections off line.
+    pub(super) fn update_given_checksum(&mut self) {
         if self.checksums.is_none() {
             return self.update_checksums();
         }
@@ -64,7 +64,7 @@ impl<const N: usize> Anemometer<N> {
             None => self.network.piece_checksum(piece),
             Some(0) => Checksum::of(&self.setup),
             Some(1) => Checksum::of(&self.output),
-            Some(_) => Checksum::of(&(self.pressure_pa, self.given_gas_c)),
+            Some(_) => Checksum::of(&((self.pressure_pa, self.given_gas_c), self.corrections)),
         }
     }
 }

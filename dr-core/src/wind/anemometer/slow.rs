@@ -9,8 +9,14 @@ use crate::wind::surface_inverse::WindVector;
 
 impl<const N: usize> Anemometer<N> {
     /// Corrects the conductances of the first surfaces from now on.
-    pub const fn correct(&mut self, corrections: Option<[SurfaceCorrection; SECTORS]>) {
+    pub fn correct(&mut self, corrections: Option<[SurfaceCorrection; SECTORS]>) {
         self.corrections = corrections;
+        self.update_given_checksum();
+    }
+
+    /// Those that it is corrected by.
+    pub const fn corrections(&self) -> Option<&[SurfaceCorrection; SECTORS]> {
+        self.corrections.as_ref()
     }
 
     /// The inverse of a head of surfaces round a body; none of a card, or without a calibration.

@@ -448,3 +448,33 @@ fn a_power_that_is_none_is_not_smoothed_in() {
         "{told:?}"
     );
 }
+
+#[test]
+fn corrections_by_command_take_heat_and_dust_out_and_widen_the_uncertainty() {
+    let clean = follow(&mut sectors(&config()), &tick(0)).unwrap();
+    // Sun of 3 mW on the first surface, which needs so much less power.
+    let (heat_w, dust) = (3e-3, 0.95);
+    let mut sunny = tick(0);
+    sunny.power_w[0] -= heat_w * SURFACE[0];
+    let (mut plain, mut corrected) = (sectors(&config()), sectors(&config()));
+    let none = SurfaceCorrection::default();
+    let first = SurfaceCorrection { offset_w: heat_w, offset_u_w: 1e-3, ..none };
+    corrected.handle(&WindCommand::Correction([first, none, none, none]), PERIOD_S).unwrap();
+    let [before, after] = [&mut plain, &mut corrected]
+        .map(|anemometer| anemometer.step(&sunny, |element, _| sunny.power_w[element]).unwrap());
+    assert!(off(before.wind.wind_m_s, WIND_M_S) > 0.2, "{:?}", before.wind);
+    assert!(off(after.wind.wind_m_s, clean.wind.wind_m_s) < 2e-3, "{:?} {:?}", after.wind, clean.wind);
+    assert!(after.wind.speed_error_m_s > 1.1 * clean.wind.speed_error_m_s, "{:?}", after.wind);
+    // What is reported of the noise is of the noise.
+    assert!((after.variance_w2_k2[0] / clean.variance_w2_k2[0] - 1.0).abs() < 1e-5);
+    // The gain of a surface.
+    let gain = SurfaceCorrection { gain: 1.0 / dust - 1.0, ..none };
+    corrected.handle(&WindCommand::Correction([none, gain, none, none]), PERIOD_S).unwrap();
+    corrected.restart();
+    let dusty = follow(&mut corrected, &tick(0)).unwrap();
+    assert!((dusty.conductance_w_k[1] * dust / clean.conductance_w_k[1] - 1.0).abs() < 1e-6);
+    let bad = SurfaceCorrection { offset_w: f32::NAN, ..none };
+    let refused = corrected.handle(&WindCommand::Correction([none, none, none, bad]), PERIOD_S).unwrap_err();
+    assert_eq!(refused.parameter, Parameter::SurfaceCorrection);
+    assert_eq!(corrected.corrections(), Some(&[none, gain, none, none]));
+}
