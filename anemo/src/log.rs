@@ -35,6 +35,8 @@ Examples:
       --segment 1h --keep 30d --every 1s
   anemo log heads/sphere-a-reference.toml --overheat 30 --pressure gas.txt \\
       --on serial:/dev/ttyACM0 -o mast/
+  anemo log heads/sphere-a-reference.toml --overheat 30 --pressure 700 \\
+      --overheat-alternation 20 --on serial:/dev/ttyACM0 -o mast/
   anemo log experiments/gusts.toml --on serial:/dev/ttyACM0 -o mast/ --service")]
 pub struct Arguments {
     #[command(flatten)]

@@ -7,7 +7,7 @@ use crate::output::{Failure, finite, is_head};
 use anemometry::gas::PRESSURE_RANGE_PA;
 use anemometry::head::Head;
 use host_sim::experiment::Experiment;
-use host_sim::run::log::hold;
+use host_sim::run::log::{alternate, hold};
 use recording::toml_file::TomlSource;
 use wire::BoardKind;
 
@@ -23,6 +23,13 @@ pub(super) struct SourceArguments {
     /// Set-points so far above the gas, K, as the head's element `reference` measures it.
     #[arg(long, value_name = "K")]
     pub(super) overheat: Option<f64>,
+    /// Alternate between the set-points and these, so far above the gas, K: heat beside the wind
+    /// shows by it.
+    #[arg(long, value_name = "K", requires = "overheat")]
+    overheat_alternation: Option<f64>,
+    /// How long each of the two is held, s.
+    #[arg(long, value_name = "SECONDS", default_value_t = 600.0, requires = "overheat_alternation")]
+    half: f64,
     /// Gas pressure: a number in Pa, or a file whose last line is one, read again when it changes.
     #[arg(long, value_name = "PA|FILE")]
     pub(super) pressure: Option<PressureSource>,
@@ -77,6 +84,8 @@ impl SourceArguments {
         finite(&[
             ("--set-point", self.set_point),
             ("--overheat", self.overheat),
+            ("--overheat-alternation", self.overheat_alternation),
+            ("--half", Some(self.half)),
             ("--sample-period", self.sample_period),
             ("--gas-temperature", self.gas_temperature),
         ])?;
@@ -102,6 +111,9 @@ impl SourceArguments {
         }
         if let Some(target_c) = self.set_point {
             hold(&mut experiment, target_c).map_err(Failure::usage)?;
+        }
+        if let (Some(high_k), Some(low_k)) = (self.overheat, self.overheat_alternation) {
+            alternate(&mut experiment, [high_k, low_k], self.half).map_err(Failure::usage)?;
         }
         host_sim::run::rehearse(&experiment, board)?;
         Ok(experiment)

@@ -196,12 +196,11 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     recorded.finish(&Metadata::new())?;
     let mut report = estimation.report();
-    report.written =
-        [arguments.write_head.as_deref(), arguments.output.as_deref(), arguments.picture.path()]
-            .into_iter()
-            .flatten()
-            .map(Path::to_owned)
-            .collect();
+    report.written = [arguments.write_head.as_deref(), arguments.output.as_deref(), arguments.picture.path()]
+        .into_iter()
+        .flatten()
+        .map(Path::to_owned)
+        .collect();
     crate::output::print_report(&report, arguments.json)
 }
 

@@ -1,5 +1,6 @@
 //! The command from outside.
 
+mod alternation;
 mod ambient;
 mod cli;
 mod combine;

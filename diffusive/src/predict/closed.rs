@@ -115,7 +115,7 @@ pub fn predict(model: &Model, scenario: &Scenario, start: LoopStart) -> Result<P
     let mut elements: Vec<PredictedElement> = (scenario.elements.iter())
         .map(|heated| PredictedElement {
             name: heated.name.clone(),
-            regulated: matches!(heated.drive, Drive::Temperature { .. } | Drive::Setpoints { .. }),
+            regulated: heated.drive.target_range_c().is_some(),
             ..PredictedElement::default()
         })
         .collect();
@@ -232,7 +232,7 @@ fn limit(
             let level = decide(&heated.drive, &mut drives[i], temperature_c, (low_w, high_w));
             levels[i] = (low_w - taken[i], high_w - taken[i]);
             match heated.drive {
-                Drive::Temperature { .. } | Drive::Setpoints { .. } => {
+                Drive::Temperature { .. } | Drive::Setpoints { .. } | Drive::Alternation { .. } => {
                     let target_c = f64::from(drives[i].target_c);
                     if target_c != targets[i] {
                         targets[i] = target_c;

@@ -8,6 +8,7 @@
 //! | `Temperature` | high if T_n < target, else low (thermal sigma-delta) | CTA, constant temperature |
 //! | `Prbs` | next bit of a pseudo-random sequence | open-loop identification |
 //! | `Setpoints` | as `Temperature`, the target drawn anew every dwell | identification of the boom |
+//! | `Alternation` | as `Temperature`, the target one of two in turn | none: heat beside the wind shows by it |
 //!
 //! In `Temperature` the thermal structure itself is the integrator, and the mean of the bits is the
 //! power it takes.
@@ -67,6 +68,15 @@ pub enum Drive {
         /// Where the drawing register starts.
         seed: u32,
     },
+    /// Two set-points of constant temperature in turn, the highest first: the overheat alternates.
+    Alternation {
+        /// Lowest set-point, °C.
+        low_c: f32,
+        /// Highest set-point, °C.
+        high_c: f32,
+        /// Ticks that each lasts, at least 1.
+        half_ticks: u32,
+    },
 }
 
 /// Inputs of a drive in one tick.
@@ -87,7 +97,7 @@ pub struct DriveState {
     pub modulator: SigmaDelta,
     /// Register of `Prbs` and `Setpoints`.
     pub register: Option<Prbs>,
-    /// Ticks left of the bit or the dwell.
+    /// Ticks left of the bit, the dwell or the half.
     pub ticks_left: u32,
     /// The last requested level.
     pub level: Level,
@@ -105,6 +115,7 @@ crate::fields::fields!(enum Drive {
     3 Temperature { target_c },
     4 Prbs { order, seed, ticks_per_bit },
     5 Setpoints { low_c, high_c, dwell_ticks, seed },
+    6 Alternation { low_c, high_c, half_ticks },
 });
 
 impl Drive {
@@ -134,10 +145,14 @@ impl Drive {
                 at_least_one(Parameter::TicksPerBit, ticks_per_bit)?;
                 DriveState { register: Some(Prbs::new(order, seed)?), ..state }
             }
+            Self::Alternation { low_c, high_c, half_ticks } => {
+                check_pair(low_c, high_c, platinum)?;
+                at_least_one(Parameter::DwellTicks, half_ticks)?;
+                // The first tick begins the first half, at the other one.
+                DriveState { target_c: low_c, ..state }
+            }
             Self::Setpoints { low_c, high_c, dwell_ticks, seed } => {
-                error::within(Parameter::LowC, low_c, coldest_c, hottest_c)?;
-                error::within(Parameter::HighC, high_c, coldest_c, hottest_c)?;
-                error::ascending((Parameter::LowC, low_c), (Parameter::HighC, high_c))?;
+                check_pair(low_c, high_c, platinum)?;
                 at_least_one(Parameter::DwellTicks, dwell_ticks)?;
                 let mut register = Prbs::new(SETPOINT_REGISTER, seed)?;
                 // A seed of few ones begins with many: they are let pass.
@@ -147,6 +162,16 @@ impl Drive {
                 DriveState { register: Some(register), target_c: low_c, ..state }
             }
         })
+    }
+
+    /// The state that this drive goes on from in place of another that is in `state`, if it does
+    /// not begin with its own: two alternations of one length share their halves, so that
+    /// set-points can follow a gas.
+    pub fn goes_on(&self, former: &Self, state: &DriveState) -> Option<DriveState> {
+        let Self::Alternation { low_c, high_c, half_ticks } = *self else { return None };
+        let Self::Alternation { high_c: former_c, half_ticks: former_ticks, .. } = *former else { return None };
+        let target_c = if state.target_c == former_c { high_c } else { low_c };
+        (half_ticks == former_ticks && state.ticks_left > 0).then_some(DriveState { target_c, ..*state })
     }
 
     /// The level to hold until the next tick.
@@ -184,6 +209,16 @@ impl Drive {
                 state.ticks_left -= u32::from(state.ticks_left > 0);
                 bit
             }
+            Self::Alternation { low_c, high_c, half_ticks } => {
+                if state.ticks_left == 0 {
+                    state.target_c = if state.target_c == high_c { low_c } else { high_c };
+                    state.ticks_left = half_ticks;
+                }
+                state.ticks_left -= u32::from(state.ticks_left > 0);
+                let level = level(input.temperature_c < state.target_c);
+                state.saturated = level == before;
+                level
+            }
             Self::Setpoints { low_c, high_c, dwell_ticks, .. } => {
                 if let (0, Some(register)) = (state.ticks_left, &mut state.register) {
                     let word = (0..SETPOINT_BITS).fold(0_u32, |word, _| word << 1 | u32::from(register.step()));
@@ -208,6 +243,7 @@ impl Drive {
             Self::Power { .. } => modulator.accumulator.visit(visitor),
             Self::Prbs { .. } => ((register, ticks_left), level).visit(visitor),
             Self::Setpoints { .. } => ((register, ticks_left), target_c).visit(visitor),
+            Self::Alternation { .. } => (*ticks_left, *target_c).visit(visitor),
         }
     }
 
@@ -215,10 +251,18 @@ impl Drive {
     pub const fn target_range_c(&self) -> Option<(f32, f32)> {
         match *self {
             Self::Temperature { target_c } => Some((target_c, target_c)),
-            Self::Setpoints { low_c, high_c, .. } => Some((low_c, high_c)),
+            Self::Setpoints { low_c, high_c, .. } | Self::Alternation { low_c, high_c, .. } => Some((low_c, high_c)),
             _ => None,
         }
     }
+}
+
+/// Two set-points must be temperatures of the platinum, the lowest first.
+fn check_pair(low_c: f32, high_c: f32, platinum: &Platinum) -> Result<(), ConfigError> {
+    let (coldest_c, hottest_c) = platinum.range_c();
+    error::within(Parameter::LowC, low_c, coldest_c, hottest_c)?;
+    error::within(Parameter::HighC, high_c, coldest_c, hottest_c)?;
+    error::ascending((Parameter::LowC, low_c), (Parameter::HighC, high_c)).map(drop)
 }
 
 const fn level(high: bool) -> Level {
@@ -251,6 +295,36 @@ mod tests {
     fn levels(drive: Drive, ticks: usize) -> Vec<bool> {
         let mut state = drive.start(&platinum()).unwrap();
         (0..ticks).map(|_| drive.step(&mut state, &at(0.0)) == Level::High).collect()
+    }
+
+    #[test]
+    fn set_points_alternate_from_the_highest_on_and_go_on_where_they_are_moved() {
+        let drive = Drive::Alternation { low_c: 20.0, high_c: 30.0, half_ticks: 3 };
+        let mut state = drive.start(&platinum()).unwrap();
+        let mut step = |drive: &Drive| {
+            let level = drive.step(&mut state, &at(25.0));
+            (state.target_c, level == Level::High)
+        };
+        let first: Vec<_> = (0..7).map(|_| step(&drive)).collect();
+        let (high, low) = ((30.0, true), (20.0, false));
+        assert_eq!(first, [high, high, high, low, low, low, high]);
+        // One degree warmer, in the middle of a half.
+        let warmer = Drive::Alternation { low_c: 21.0, high_c: 31.0, half_ticks: 3 };
+        state = warmer.goes_on(&drive, &state).unwrap();
+        let targets: Vec<f32> = (0..4)
+            .map(|_| {
+                warmer.step(&mut state, &at(25.0));
+                state.target_c
+            })
+            .collect();
+        assert_eq!(targets, [31.0, 31.0, 21.0, 21.0]);
+        let longer = Drive::Alternation { low_c: 21.0, high_c: 31.0, half_ticks: 4 };
+        assert_eq!(longer.goes_on(&warmer, &state), None);
+        assert_eq!(warmer.goes_on(&Drive::Temperature { target_c: 31.0 }, &state), None);
+        let refused = |drive: Drive| drive.start(&platinum()).unwrap_err().parameter;
+        assert_eq!(refused(Drive::Alternation { low_c: 30.0, high_c: 30.0, half_ticks: 3 }), Parameter::HighC);
+        assert_eq!(refused(Drive::Alternation { low_c: 20.0, high_c: 1e4, half_ticks: 3 }), Parameter::HighC);
+        assert_eq!(refused(Drive::Alternation { low_c: 20.0, high_c: 30.0, half_ticks: 0 }), Parameter::DwellTicks);
     }
 
     #[test]

@@ -16,6 +16,7 @@ impl Experiment {
         let conditions = Conditions { support_temperature_c, ..conditions };
         let held = calibration.surfaces.iter().filter_map(|&element| match self.drives.get(element)? {
             Drive::Temperature { target_c } => Some(f64::from(*target_c)),
+            Drive::Alternation { high_c, .. } => Some(f64::from(*high_c)),
             _ => None,
         });
         let surface_c = held.fold(None, |range: Option<[f64; 2]>, target_c| {

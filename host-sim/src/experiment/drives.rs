@@ -7,7 +7,7 @@ use dr_core::control::Drive;
 use dr_core::sensor::Level;
 
 use super::grid::TickGrid;
-use super::table::{ChangeTable, DriveTable};
+use super::table::{ChangeTable, DriveTable, OverheatAlternationTable};
 use anemometry::head::{Head, HeadElement};
 use recording::text::suggest;
 use recording::toml_file::FileError;
@@ -148,17 +148,58 @@ impl DriveReader<'_> {
                 })?;
                 Drive::Prbs { order, seed, ticks_per_bit }
             }
+            DriveTable::Alternation { low_c, high_c, half_s } => {
+                let key = format!("{key}.alternation");
+                let [low_c, high_c] = self.pair(&key, "c", [low_c, high_c], element)?;
+                let half_ticks = grid.whole_ticks(&format!("{key}.half_s"), half_s)?;
+                Drive::Alternation { low_c, high_c, half_ticks }
+            }
             DriveTable::Setpoints { low_c, high_c, dwell_s, seed } => {
-                let low_c = self.set_point(&format!("{key}.setpoints.low_c"), low_c, element)?;
-                let high_c = self.set_point(&format!("{key}.setpoints.high_c"), high_c, element)?;
-                if low_c >= high_c {
-                    let sentence = format!("is {high_c} °C: it must lie above `low_c`, {low_c} °C");
-                    return Err(source.refuse(&format!("{key}.setpoints.high_c"), sentence));
-                }
+                let [low_c, high_c] = self.pair(&format!("{key}.setpoints"), "c", [low_c, high_c], element)?;
                 let dwell_ticks = grid.whole_ticks(&format!("{key}.setpoints.dwell_s"), dwell_s)?;
                 Drive::Setpoints { low_c, high_c, dwell_ticks, seed }
             }
         })
+    }
+
+    /// Two set-points, the lowest first, whose keys end in `unit`.
+    fn pair(&self, key: &str, unit: &str, both_c: [f64; 2], element: &HeadElement) -> Result<[f32; 2], FileError> {
+        let (low_key, high_key) = (format!("{key}.low_{unit}"), format!("{key}.high_{unit}"));
+        let low_c = self.set_point(&low_key, both_c[0], element)?;
+        let high_c = self.set_point(&high_key, both_c[1], element)?;
+        if low_c >= high_c {
+            let sentence = format!("is {high_c} °C: it must lie above `low_{unit}`, {low_c} °C");
+            return Err(self.grid.source.refuse(&high_key, sentence));
+        }
+        Ok([low_c, high_c])
+    }
+
+    /// Every element that holds a temperature, from its start or a change on, alternates between
+    /// two overheats above the mean of the gas.
+    pub(super) fn alternate(
+        &self,
+        table: &OverheatAlternationTable,
+        drives: &mut [Drive],
+        changes: &mut [DriveChange],
+    ) -> Result<(), FileError> {
+        let half_ticks = self.grid.whole_ticks("overheat_alternation.half_s", table.half_s)?;
+        let gas_c = 0.5 * (self.gas.coldest_c + self.gas.hottest_c);
+        let both_c = [table.low_k, table.high_k].map(|overheat_k| gas_c + overheat_k);
+        let places = drives.iter_mut().enumerate();
+        let later = changes.iter_mut().flat_map(|of| &mut of.drives).map(|(place, drive)| (*place, drive));
+        let mut count = 0;
+        for (place, drive) in places.chain(later) {
+            if matches!(drive, Drive::Temperature { .. }) {
+                let [low_c, high_c] = self.pair("overheat_alternation", "k", both_c, &self.head.elements[place])?;
+                *drive = Drive::Alternation { low_c, high_c, half_ticks };
+                count += 1;
+            }
+        }
+        if count == 0 {
+            let sentence = "alternates nothing: no element has a `temperature_c` in `drives`";
+            return Err(self.grid.source.refuse("overheat_alternation", sentence));
+        }
+        Ok(())
     }
 
     /// A temperature that an element can have: above the gas at every time, and below its limit.

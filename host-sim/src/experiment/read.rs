@@ -143,8 +143,11 @@ impl Experiment {
         // Drives are judged by the gas's temperature, which has to be one first.
         experiment.check_conditions()?;
         let drives = DriveReader { grid: &grid, head: &experiment.head, gas: experiment.gas_range() };
-        experiment.drives = drives.all(&table.drives)?;
-        experiment.changes = drives.changes(&table.changes)?;
+        let (mut at_first, mut later) = (drives.all(&table.drives)?, drives.changes(&table.changes)?);
+        if let Some(alternation) = &table.overheat_alternation {
+            drives.alternate(alternation, &mut at_first, &mut later)?;
+        }
+        (experiment.drives, experiment.changes) = (at_first, later);
         Ok(experiment)
     }
 }

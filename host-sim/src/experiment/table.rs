@@ -38,6 +38,7 @@ pub(super) struct ExperimentTable {
     pub drives: BTreeMap<String, DriveTable>,
     #[serde(default)]
     pub changes: Vec<ChangeTable>,
+    pub overheat_alternation: Option<OverheatAlternationTable>,
     #[serde(default)]
     pub wind: Vec<WindTable>,
     pub tunnel: Option<TunnelTable>,
@@ -117,6 +118,20 @@ pub(super) enum DriveTable {
         dwell_s: f64,
         seed: u32,
     },
+    Alternation {
+        low_c: f64,
+        high_c: f64,
+        half_s: f64,
+    },
+}
+
+/// Overheats in turn, of every element that holds a temperature.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct OverheatAlternationTable {
+    pub low_k: f64,
+    pub high_k: f64,
+    pub half_s: f64,
 }
 
 /// A level as people write it.

@@ -236,6 +236,9 @@ fn describe(drive: &Drive, experiment: &Experiment) -> String {
         Drive::Prbs { order, seed, ticks_per_bit } => {
             format!("pseudo-random bits of {} s, order {order}, seed {seed}", seconds(ticks_per_bit))
         }
+        Drive::Alternation { low_c, high_c, half_ticks } => {
+            format!("constant temperature, {high_c} and {low_c} °C in turn, each for {} s", seconds(half_ticks))
+        }
         Drive::Setpoints { low_c, high_c, dwell_ticks, seed } => {
             format!("random set-points from {low_c} to {high_c} °C, each for {} s, seed {seed}", seconds(dwell_ticks))
         }

@@ -92,6 +92,11 @@ fn drive() -> impl Strategy<Value = Drive> {
         }),
         (number(-60.0, 0.0), number(0.0, 60.0), count(9), any::<u32>())
             .prop_map(|(low_c, high_c, dwell_ticks, seed)| Drive::Setpoints { low_c, high_c, dwell_ticks, seed }),
+        (number(-60.0, 0.0), number(0.0, 60.0), count(9)).prop_map(|(low_c, high_c, half_ticks)| Drive::Alternation {
+            low_c,
+            high_c,
+            half_ticks
+        }),
     ]
 }
 

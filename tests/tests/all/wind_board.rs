@@ -1,8 +1,13 @@
 //! A calibrated head on the emulated board, in process, and off line over the recording: the same
 //! answers, bit by bit.
 
-use anemo_tests::calibrated::blown;
+use std::path::{Path, PathBuf};
+
+use anemo_tests::calibrated::{blown, blown_with, head};
 use anemo_tests::{emulated, in_process};
+use anemometry::head::Head;
+use dr_core::control::Drive;
+use dr_core::wind::slow_errors::SurfaceCorrection;
 use host_sim::experiment::Experiment;
 use host_sim::instrument::InstrumentPort;
 use host_sim::instrument::emulated::EmulatorLink as Way;
@@ -43,6 +48,49 @@ fn board_and_host_answer_alike() {
     // A digest of something: not that of another wind.
     let other = blown(4.0, &[]).experiment();
     assert_ne!(answered(&other, in_process(&other)).0.hash, host.hash);
+}
+
+/// The fixture with corrections of its surfaces.
+fn corrected(folder: &Path) -> PathBuf {
+    let head = Head::read(&head()).expect("the calibrated head can be read");
+    let of = |offset_w: f32, gain: f32| SurfaceCorrection { offset_w, gain, offset_u_w: 2e-4, gain_u: 0.01 };
+    let corrections = [of(3e-3, 0.0), of(0.0, 0.05), of(-1e-3, -0.02), of(0.0, 0.0)];
+    let calibration = head.calibration.as_ref().expect("it is calibrated");
+    let (text, _) = calibration.with_corrections(&corrections, "a test", None, &head).expect("they can be");
+    let path = folder.join("corrected.toml");
+    std::fs::write(&path, text).expect("there is room");
+    path
+}
+
+#[test]
+fn a_head_with_corrections_and_overheats_that_alternate_are_alike_on_board_host_and_off_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let alternation = (
+        "[[wind]]\nstart_s = 0.0",
+        "[overheat_alternation]\nlow_k = 20.0\nhigh_k = 22.0\nhalf_s = 0.7\n\n[[wind]]\nstart_s = 0.0",
+    );
+    let desk = blown_with(&corrected(folder.path()), 3.0, &[alternation]);
+    let experiment = desk.experiment();
+    assert!(matches!(experiment.drives[0], Drive::Alternation { half_ticks: 700, .. }), "{:?}", experiment.drives);
+    let (host, host_rows) = answered(&experiment, in_process(&experiment));
+    let (board, board_rows) = answered(&experiment, emulated(&experiment, Way::Fifo));
+    assert_eq!((host.hash.is_some(), host.hash == board.hash, host_rows == board_rows), (true, true, true));
+    // Corrections of something: another wind than without them.
+    let plain = blown(3.0, &[alternation]).experiment();
+    let (_, plain_rows) = answered(&plain, in_process(&plain));
+    assert_ne!(plain_rows, host_rows);
+    for arguments in
+        [&["run", "e.toml", "--on", "sim", "-o", "r.parquet"][..], &["wind", "r.parquet", "-o", "w.parquet"]]
+    {
+        let output = desk.anemo(arguments, &[]);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    let conductances = |name: &str| {
+        Recording::read(&desk.path().join(name)).unwrap().numbers("conductance_w_k_sector1").unwrap().to_vec()
+    };
+    let kept: Vec<f64> = conductances("r.parquet").into_iter().filter(|of| of.is_finite()).collect();
+    let told: Vec<f64> = conductances("w.parquet").into_iter().filter(|of| of.is_finite()).collect();
+    assert_eq!((kept.len() > 200, &kept), (true, &told));
 }
 
 #[test]

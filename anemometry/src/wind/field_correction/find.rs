@@ -7,8 +7,10 @@ use serde::Serialize;
 
 use super::equations::{corrections, distinct, equations};
 use super::evidence::SlowEvidence;
+use super::halves::OverheatHalves;
 use super::open::{OpenError, open_errors};
-use super::smoother::{SlowEquation, SlowErrorsAt, SlowJump, SlowPrior, SlowSeries, doubt, smooth};
+use super::overheats::{overheat_chi_square, overheat_equations, widen_by_missed};
+use super::smoother::{OverheatEquation, SlowEquation, SlowErrorsAt, SlowJump, SlowPrior, SlowSeries, doubt, smooth};
 
 /// Rounds of linear equations about the winds of the round before.
 const ROUNDS: usize = 8;
@@ -21,6 +23,8 @@ const STEADY: f64 = 3.0;
 const LEAST_STEADY: f64 = 20.0;
 /// Mean square from which on something has to be explained.
 const CONTRADICTED: f64 = 2.0;
+/// χ² of differences of overheat from which on they show heat.
+const SEEN: f64 = 4.0;
 /// Winds that differ: with fewer any kind of error explains what contradicts.
 const LEAST_WINDS: usize = 16;
 /// Twice the logarithm of how much likelier a kind must be to be the one.
@@ -62,6 +66,19 @@ impl SlowErrorKind {
     }
 }
 
+/// How a recording alternates, and how heat explains it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OverheatFinding {
+    /// The higher and the lower overheat, K.
+    pub overheat_k: [f64; 2],
+    /// How many halves.
+    pub halves: usize,
+    /// χ² of the differences over their degrees of freedom, without and with heat.
+    pub chi_square: [f64; 2],
+    #[serde(skip)]
+    equations: Vec<OverheatEquation>,
+}
+
 /// Slow errors over a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldCorrection {
@@ -75,6 +92,8 @@ pub struct FieldCorrection {
     pub count: usize,
     /// Mean square of what the equations leave, in their own variances, without and with errors.
     pub chi_square: [f64; 2],
+    /// What halves of alternating overheat say, if they do.
+    pub overheats: Option<OverheatFinding>,
     begin_s: f64,
     slot_s: f64,
     equations: Vec<Option<SlowEquation>>,
@@ -141,26 +160,46 @@ impl FieldCorrection {
         let mut found: Vec<SlowErrorsAt> = Vec::new();
         let mut own = Vec::new();
         let mut jumps: Vec<SlowJump> = Vec::new();
+        // Gains do not show in differences of overheat.
+        let halves = OverheatHalves::of(evidence).filter(|_| kind != SlowErrorKind::Gains);
+        let mut overheats = Vec::new();
+        // Means over gusts contradict a little, in the same way at both overheats: where these are
+        // enough, nothing else is used.
+        let tells = |overheats: &[OverheatEquation]| !overheats.is_empty() && kind == SlowErrorKind::Offsets;
         for _ in 0..ROUNDS {
             own = equations(evidence, anemometer, &found, bandwidth_hz);
+            if let Some(halves) = &halves {
+                let at = |slot: usize| found.get(slot).map_or_else(Default::default, corrections);
+                overheats = overheat_equations(halves, anemometer, at);
+            }
             let steady = own.iter().flatten().filter(|of| of.variance < STEADY);
-            prior.is_common_sought = steady.map(|of| 1.0 - of.correlation.powi(2)).sum::<f64>() >= LEAST_STEADY;
-            let slots = doubted(&own, &found, prior.noise);
-            likeliest(&mut prior, &SlowSeries { slots: &slots, slot_s, jumps: &jumps }, kind);
+            prior.is_common_sought =
+                steady.map(|of| 1.0 - of.correlation.powi(2)).sum::<f64>() >= LEAST_STEADY || !overheats.is_empty();
+            let mut slots = doubted(&own, &found, prior.noise);
+            if tells(&overheats) {
+                slots.fill(None);
+            }
+            likeliest(&mut prior, &SlowSeries { slots: &slots, slot_s, jumps: &jumps, overheats: &overheats }, kind);
             loop {
                 let jump;
-                (found, jump) = smooth(&prior, &SlowSeries { slots: &slots, slot_s, jumps: &jumps });
+                (found, jump) =
+                    smooth(&prior, &SlowSeries { slots: &slots, slot_s, jumps: &jumps, overheats: &overheats });
                 match jump {
                     Some((jump, explains)) if explains > JUMP_EXPLAINS && jumps.len() < MOST_JUMPS => {
                         jumps.push(jump);
-                        likeliest(&mut prior, &SlowSeries { slots: &slots, slot_s, jumps: &jumps }, kind);
+                        likeliest(
+                            &mut prior,
+                            &SlowSeries { slots: &slots, slot_s, jumps: &jumps, overheats: &overheats },
+                            kind,
+                        );
                     }
                     _ => break,
                 }
             }
         }
         let count = own.iter().flatten().count();
-        if count > 0 && distinct(&own) < LEAST_WINDS {
+        let tells = tells(&overheats);
+        if count > 0 && !tells && distinct(&own) < LEAST_WINDS {
             return Err(SlowErrorsUnknown::FewWinds { least: LEAST_WINDS });
         }
         let square = |of: &SlowEquation, errors: Option<&SlowErrorsAt>| {
@@ -175,10 +214,20 @@ impl FieldCorrection {
             return Err(SlowErrorsUnknown::NoWind);
         }
         let begin_s = evidence.begin_s();
-        let found = Self { kind, prior, jumps, count, chi_square, begin_s, slot_s, equations: own, found };
+        let overheats = halves.filter(|_| !overheats.is_empty()).map(|halves| OverheatFinding {
+            overheat_k: halves.overheat_k,
+            halves: halves.halves.len(),
+            chi_square: overheat_chi_square(&overheats, |slot| found[slot]),
+            equations: overheats,
+        });
+        if overheats.is_some() {
+            widen_by_missed(&mut found);
+        }
+        let found = Self { kind, prior, jumps, count, chi_square, overheats, begin_s, slot_s, equations: own, found };
         // Where nothing contradicts, or hardly, errors are as small as they are unknown.
         let open = open_errors(&found.prior, found.known().map(|(_, at)| at));
-        if found.chi_square[0] > CONTRADICTED && open.iter().any(|open| !open.is_common && found.hides(open)) {
+        if !tells && found.chi_square[0] > CONTRADICTED && open.iter().any(|open| !open.is_common && found.hides(open))
+        {
             return Err(SlowErrorsUnknown::WindsAlike);
         }
         Ok(found)
@@ -197,7 +246,8 @@ impl FieldCorrection {
         let common = |of: &Self, other: &Self| -> f64 {
             let pairs = of.equations.iter().zip(&other.equations);
             let slots: Vec<_> = pairs.map(|(own, other)| own.filter(|_| other.is_some())).collect();
-            let series = SlowSeries { slots: &slots, slot_s: of.slot_s, jumps: &of.jumps };
+            let overheats = of.overheats.as_ref().or(other.overheats.as_ref()).map_or(&[][..], |of| &of.equations);
+            let series = SlowSeries { slots: &slots, slot_s: of.slot_s, jumps: &of.jumps, overheats };
             doubt(&of.prior, &series) + JUMP_EXPLAINS * of.jumps.len() as f64
         };
         let difference = common(&b, &a) - common(&a, &b);
@@ -207,8 +257,11 @@ impl FieldCorrection {
 
     /// Whether most of the contradictions are gone with these errors.
     pub fn explains(&self) -> bool {
-        let [before, after] = self.chi_square;
-        before > CONTRADICTED && after < 0.5 * before
+        let is_less = |[before, after]: [f64; 2], least: f64| before > least && after < 0.5 * before;
+        match &self.overheats {
+            Some(of) if self.kind == SlowErrorKind::Offsets => is_less(of.chi_square, SEEN),
+            _ => is_less(self.chi_square, CONTRADICTED),
+        }
     }
 
     /// Errors at the slots that have an equation, with their times, s.

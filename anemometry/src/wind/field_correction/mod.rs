@@ -5,6 +5,8 @@
 //! |---|---|
 //! | [`evidence`] | conductances of a recording, slot by slot |
 //! | [`equations`] | one equation a slot |
+//! | [`halves`] | what lies at each of two overheats, where they alternate |
+//! | [`overheats`] | equations of their differences |
 //! | [`smoother`] | errors over time, with covariance |
 //! | `open` | what the winds do not determine |
 //! | [`report`] | both in words and as JSON |
@@ -14,7 +16,9 @@
 pub mod equations;
 pub mod evidence;
 pub mod find;
+pub mod halves;
 mod open;
+pub mod overheats;
 pub mod report;
 pub mod smoother;
 mod widen;

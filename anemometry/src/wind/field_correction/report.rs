@@ -5,7 +5,7 @@ use std::fmt;
 use dr_core::wind::sphere::SECTORS;
 use serde::Serialize;
 
-use super::find::{FieldCorrection, SlowErrorKind};
+use super::find::{FieldCorrection, OverheatFinding, SlowErrorKind};
 use super::open::open_errors;
 
 /// Moments of the series.
@@ -28,6 +28,8 @@ pub struct SlowErrorReport {
     /// Mean squares of what contradicts, over the variance by noise and calibration, without and
     /// with the errors.
     pub chi_square: [f64; 2],
+    /// What halves of alternating overheat say, if they do.
+    pub overheats: Option<OverheatFinding>,
     /// What explains as much, in words.
     pub as_likely: Option<String>,
     /// Of every surface.
@@ -104,6 +106,7 @@ impl SlowErrorReport {
             winds: correction.count,
             time_constant_s: correction.prior.time_s,
             chi_square: correction.chi_square,
+            overheats: correction.overheats.clone(),
             as_likely: None,
             surfaces: names.iter().enumerate().map(surface).collect(),
             open: open_errors(&correction.prior, known.iter().map(|(_, at)| *at))
@@ -158,6 +161,15 @@ impl fmt::Display for SlowErrorReport {
         let option = self.kind.word();
         let [before, after] = self.chi_square;
         let list = self.words();
+        if let Some(OverheatFinding { overheat_k: [high_k, low_k], halves, chi_square: [without, with], .. }) =
+            &self.overheats
+        {
+            writeln!(
+                f,
+                "{halves} halves at overheats of {high_k:.1} and {low_k:.1} K: differences, χ² {without:.1} without and {with:.1} with heat; \
+                 gains do not show in them"
+            )?;
+        }
         if list.is_empty() {
             return writeln!(
                 f,

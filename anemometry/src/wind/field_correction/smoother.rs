@@ -6,7 +6,7 @@
 //! γ_i   random walk from a standard deviation σ_γ on, by η in the root of a second
 //! both  jump where a jump was found, each by an unknown amount of standard deviation 3 mW or 3 %
 //! e     ρ e + √(1 − ρ²) w: what the calibration misses, of standard deviation 1
-//! y     Σ_i (a_i S_i + b_i γ_i) + k e + √r v
+//! y     Σ_i (a_i S_i + b_i γ_i) + k e + √r v, and of overheats Σ_i a_i S_i + v
 //! ```
 //!
 //! Winds near to each other are missed alike, hence ρ: a steady wind says once what many varied
@@ -110,6 +110,19 @@ pub struct SlowSeries<'a> {
     pub slot_s: f64,
     /// In any order.
     pub jumps: &'a [SlowJump],
+    /// Of overheats that alternate, in any order.
+    pub overheats: &'a [OverheatEquation],
+}
+
+/// What halves of two overheats say of S at a slot: four equations y = A S + v, v of variance 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OverheatEquation {
+    /// The slot.
+    pub slot: usize,
+    /// y.
+    pub value: SVector<f64, SECTORS>,
+    /// A, 1/mW.
+    pub per_mw: SMatrix<f64, SECTORS, SECTORS>,
 }
 
 /// S in mW and γ in % at a slot, with their covariance.
@@ -125,8 +138,37 @@ pub struct SlowErrorsAt {
 struct PassedSlot {
     state: State,
     covariance: Covariance,
-    /// Row, gain, variance and value of the innovation, and ρ.
-    update: Option<(State, State, f64, f64, f64)>,
+    /// Of its equations, one after the other.
+    updates: Vec<FilterUpdate>,
+}
+
+/// What one equation has changed.
+struct FilterUpdate {
+    row: State,
+    gain: State,
+    /// Of the innovation.
+    variance: f64,
+    innovation: f64,
+    /// ρ by which e was changed before.
+    rho: f64,
+}
+
+impl FilterUpdate {
+    /// Takes an equation of a value and its variance into what is known.
+    fn of(state: &mut State, known: &mut Covariance, row: State, (value, variance): (f64, f64), rho: f64) -> Self {
+        let carried = *known * row;
+        let variance = row.dot(&carried) + variance;
+        let gain = carried / variance;
+        let innovation = value - row.dot(state);
+        *state += gain * innovation;
+        *known -= gain * carried.transpose();
+        Self { row, gain, variance, innovation, rho }
+    }
+
+    /// Its part of −2 ln of the likelihood.
+    fn doubt(&self) -> f64 {
+        self.variance.ln() + self.innovation * self.innovation / self.variance
+    }
 }
 
 /// Runs forward; returns −2 ln of the likelihood.
@@ -149,7 +191,8 @@ fn filter(prior: &SlowPrior, series: &SlowSeries<'_>, mut each: impl FnMut(Passe
                 covariance[(place(jump.error), place(jump.error))] += JUMP * JUMP;
             }
         }
-        let update = slot.map(|equation| {
+        let mut updates = Vec::new();
+        if let Some(equation) = slot {
             let rho = equation.correlation;
             state[MISSED] *= rho;
             for i in 0..MISSED {
@@ -157,17 +200,19 @@ fn filter(prior: &SlowPrior, series: &SlowSeries<'_>, mut each: impl FnMut(Passe
                 covariance[(MISSED, i)] *= rho;
             }
             covariance[(MISSED, MISSED)] = rho * rho * covariance[(MISSED, MISSED)] + 1.0 - rho * rho;
+            let variance = prior.noise * equation.variance;
             let row = equation.row(prior.noise);
-            let carried = covariance * row;
-            let variance = row.dot(&carried) + prior.noise * equation.variance;
-            let gain = carried / variance;
-            let innovation = equation.value - row.dot(&state);
-            state += gain * innovation;
-            covariance -= gain * carried.transpose();
-            doubt += variance.ln() + innovation * innovation / variance;
-            (row, gain, variance, innovation, rho)
-        });
-        each(PassedSlot { state, covariance, update });
+            updates.push(FilterUpdate::of(&mut state, &mut covariance, row, (equation.value, variance), rho));
+        }
+        for of in series.overheats.iter().filter(|of| of.slot == n) {
+            for (per_mw, value) in of.per_mw.row_iter().zip(&of.value) {
+                let mut row = State::zeros();
+                row.rows_mut(0, SECTORS).copy_from(&per_mw.transpose());
+                updates.push(FilterUpdate::of(&mut state, &mut covariance, row, (*value, 1.0), 1.0));
+            }
+        }
+        doubt += updates.iter().map(FilterUpdate::doubt).sum::<f64>();
+        each(PassedSlot { state, covariance, updates });
     }
     doubt
 }
@@ -223,7 +268,7 @@ pub fn smooth(prior: &SlowPrior, series: &SlowSeries<'_>) -> (Vec<SlowErrorsAt>,
             errors: SVector::from_fn(|i, _| state[place(i)]),
             covariance: SMatrix::from_fn(|i, j| covariance[(place(i), place(j))] + prior.not_sought(i, j)),
         });
-        if let Some((row, gain, variance, innovation, rho)) = &of.update {
+        for FilterUpdate { row, gain, variance, innovation, rho } in of.updates.iter().rev() {
             let kept = Covariance::identity() - gain * row.transpose();
             pull = kept.transpose() * pull - row * (innovation / variance);
             known = kept.transpose() * known * kept + row * row.transpose() / *variance;
@@ -317,7 +362,8 @@ mod tests {
     #[test]
     fn varied_winds_tell_every_offset_within_what_is_stated() {
         let slots = slots(true, |_| [3.0, 0.0, -1.0, 0.5]);
-        let (found, jump) = smooth(&prior(3.0, 0.0), &SlowSeries { slots: &slots, slot_s: SLOT_S, jumps: &[] });
+        let (found, jump) =
+            smooth(&prior(3.0, 0.0), &SlowSeries { slots: &slots, slot_s: SLOT_S, jumps: &[], overheats: &[] });
         for (i, truth) in [3.0, 0.0, -1.0, 0.5].into_iter().enumerate() {
             let (off, u) = (found[50].errors[i] - truth, found[50].covariance[(i, i)].sqrt());
             // A hundred equations of 20/mW and noise √2 leave some 0.01 mW.
@@ -327,9 +373,33 @@ mod tests {
     }
 
     #[test]
+    fn halves_of_two_overheats_tell_every_offset_without_any_wind() {
+        let truth = SVector::from([3.0, 0.0, -1.0, 0.5]);
+        let equation = |n: usize| {
+            let per_mw = SMatrix::from_fn(|i, j| if i == j { 5.0 } else { 0.5 * (n + i) as f64 % 1.0 });
+            let noise =
+                SVector::from_fn(|i, _| 12.0_f64.sqrt() * ((n as f64 * 0.754_877_666 + i as f64 * 0.3).fract() - 0.5));
+            OverheatEquation { slot: 10 * n, value: per_mw * truth + noise, per_mw }
+        };
+        let overheats: Vec<_> = (0..10).map(equation).collect();
+        let series = SlowSeries { slots: &[None; 100], slot_s: SLOT_S, jumps: &[], overheats: &overheats };
+        let (found, jump) = smooth(&prior(3.0, 0.0), &series);
+        for i in 0..SECTORS {
+            let (off, u) = (found[50].errors[i] - truth[i], found[50].covariance[(i, i)].sqrt());
+            // Ten equations of 5/mW leave 0.2/√10 mW.
+            assert!((0.05..0.08).contains(&u) && off.abs() < 3.0 * u, "{i}: {off} ± {u}");
+        }
+        assert!(jump.is_none_or(|(_, explains)| explains < 30.0), "{jump:?}");
+        // Nothing of gains.
+        let gains = smooth(&SlowPrior { gain_percent: 1.0, ..prior(3.0, 0.0) }, &series).0[50];
+        assert!((gains.covariance[(SECTORS, SECTORS)] - 1.0).abs() < 1e-9, "{gains:?}");
+    }
+
+    #[test]
     fn a_steady_wind_says_one_number_however_long_it_blows() {
         let slots = slots(false, |_| [3.0, 0.0, 0.0, 0.0]);
-        let (found, _) = smooth(&prior(3.0, 0.0), &SlowSeries { slots: &slots, slot_s: SLOT_S, jumps: &[] });
+        let (found, _) =
+            smooth(&prior(3.0, 0.0), &SlowSeries { slots: &slots, slot_s: SLOT_S, jumps: &[], overheats: &[] });
         let block = found[50].covariance.fixed_view::<SECTORS, SECTORS>(0, 0).into_owned();
         let open = block.symmetric_eigenvalues().iter().filter(|&&of| of > 0.9 * 9.0).count();
         assert_eq!(open, 3);
@@ -339,13 +409,13 @@ mod tests {
     fn a_jump_is_found_where_it_is_and_what_all_share_stays_if_it_is_not_sought() {
         let slots = slots(true, |n| if n < 60 { [0.0; SECTORS] } else { [0.0, 2.0, 0.0, 0.0] });
         let own = SlowPrior { offset_mw: 0.01, ..prior(0.01, 0.0) };
-        let (_, jump) = smooth(&own, &SlowSeries { slots: &slots, slot_s: SLOT_S, jumps: &[] });
+        let (_, jump) = smooth(&own, &SlowSeries { slots: &slots, slot_s: SLOT_S, jumps: &[], overheats: &[] });
         let (jump, explains) = jump.unwrap();
         assert!(jump == SlowJump { slot: 60, error: 1 } && explains > 100.0, "{jump:?} {explains}");
 
         let all = self::slots(true, |_| [1.0; SECTORS]);
         let not = SlowPrior { is_common_sought: false, ..prior(3.0, 0.0) };
-        let (found, _) = smooth(&not, &SlowSeries { slots: &all, slot_s: SLOT_S, jumps: &[] });
+        let (found, _) = smooth(&not, &SlowSeries { slots: &all, slot_s: SLOT_S, jumps: &[], overheats: &[] });
         let (sum, ones) =
             (found[50].errors.rows(0, SECTORS).sum(), found[50].covariance.fixed_view::<4, 4>(0, 0).sum());
         // The mean of four independent errors of 3 mW is uncertain by 1.5 mW.
@@ -355,7 +425,7 @@ mod tests {
     #[test]
     fn the_likelihood_prefers_errors_of_the_size_that_there_is() {
         let slots = slots(true, |_| [3.0, 0.0, -1.0, 0.5]);
-        let series = SlowSeries { slots: &slots, slot_s: SLOT_S, jumps: &[] };
+        let series = SlowSeries { slots: &slots, slot_s: SLOT_S, jumps: &[], overheats: &[] };
         let [none, small, right] = [0.0, 0.03, 2.0].map(|mw| doubt(&prior(mw, 0.0), &series));
         assert!(right < small && small < none, "{none} {small} {right}");
         let quiet = self::slots(true, |_| [0.0; SECTORS]);

@@ -74,6 +74,7 @@ impl<const N: usize> Controller<N> {
                 Drive::Temperature { target_c } => ("set-point", Place::Number(target_c)),
                 Drive::Power { power_w } => ("wanted power", Place::Number(power_w)),
                 Drive::Prbs { seed, .. } | Drive::Setpoints { seed, .. } => ("seed", Place::Count(seed)),
+                Drive::Alternation { half_ticks, .. } => ("length of a half", Place::Count(half_ticks)),
                 Drive::Passive | Drive::Level(_) => return None,
             },
             10 => ("which drive", Place::Drive(&mut of.drive)),

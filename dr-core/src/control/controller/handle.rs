@@ -222,9 +222,9 @@ impl<const N: usize> Controller<N> {
         let state = drive.start(slot.config.channel.platinum()).map_err(invalid)?;
         targets::check_power(&drive, &slot.config).map_err(invalid)?;
         targets::check(element, &drive, &slot.config, slot.model.as_ref())?;
-        slot.drive = drive;
+        let former = core::mem::replace(&mut slot.drive, drive);
         if let Some(of) = self.states.get_mut(usize::from(element)) {
-            of.drive = state;
+            of.drive = drive.goes_on(&former, &of.drive).unwrap_or(state);
             of.saturated_ticks = 0;
         }
         Ok(())

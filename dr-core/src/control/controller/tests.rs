@@ -347,7 +347,28 @@ fn set_points_stay_under_the_temperature_limit() {
     assert_eq!(refused(&mut controller, Drive::Temperature { target_c: 70.5 }), Parameter::TargetC);
     let above = Drive::Setpoints { low_c: 60.0, high_c: 71.0, dwell_ticks: 5, seed: 1 };
     assert_eq!(refused(&mut controller, above), Parameter::HighC);
+    let alternating = Drive::Alternation { low_c: 60.0, high_c: 71.0, half_ticks: 5 };
+    assert_eq!(refused(&mut controller, alternating), Parameter::HighC);
     controller.handle(Command::Drive { element: 0, drive: Drive::Temperature { target_c: 69.5 } }).unwrap();
+}
+
+#[test]
+fn set_points_that_alternate_are_moved_in_the_middle_of_a_half() {
+    let alternation = |high_c: f32| Drive::Alternation { low_c: high_c - 10.0, high_c, half_ticks: 50 };
+    let mut controller = running([alternation(-30.0), Drive::Passive]);
+    let mut body = TestBody { temperature_c: [-50.0; 2], heaters: Heaters::default() };
+    let mut targets = Vec::new();
+    for n in 0..150 {
+        if n == 70 {
+            controller.handle(Command::Arm { window_s: 1.0 }).unwrap();
+            controller.handle(Command::Drive { element: 0, drive: alternation(-31.0) }).unwrap();
+        }
+        let tick = controller.tick(&body.readings());
+        body.live(&tick);
+        targets.push(controller.states[0].drive.target_c);
+    }
+    targets.dedup();
+    assert_eq!(targets, [-30.0, -40.0, -41.0, -31.0]);
 }
 
 #[test]

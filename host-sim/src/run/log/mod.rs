@@ -27,7 +27,7 @@ use crate::instrument::{InstrumentPort, Observation};
 use recording::RecordingRow;
 use recording::text::count;
 
-pub use overheat::set as hold;
+pub use overheat::{alternate, set as hold};
 pub use refusal::LogRefusal;
 pub use session::log;
 

@@ -51,12 +51,37 @@ impl Overheat {
     }
 }
 
-/// Gives every element that holds a temperature this one.
+/// Whether a drive holds one temperature, or two in turn.
+pub(super) const fn holds(drive: &Drive) -> bool {
+    matches!(drive, Drive::Temperature { .. } | Drive::Alternation { .. })
+}
+
+/// Lets every element that holds a temperature alternate between it, at an overheat of `high_k`,
+/// and that of `low_k`, each for `half_s`.
+///
+/// # Errors
+/// If these are no two overheats, or no whole number of ticks.
+pub fn alternate(experiment: &mut Experiment, [high_k, low_k]: [f64; 2], half_s: f64) -> Result<(), LogRefusal> {
+    let ticks = half_s / experiment.sample_period_s;
+    let is_whole = (1.0..=f64::from(u32::MAX)).contains(&ticks) && (ticks - ticks.round()).abs() < 1e-6 * ticks;
+    if !(is_whole && low_k > 0.0 && high_k > low_k) {
+        return Err(LogRefusal::NoAlternation { high_k, low_k, half_s });
+    }
+    for drive in &mut experiment.drives {
+        if let Drive::Temperature { target_c } = *drive {
+            let low_c = target_c - (high_k - low_k) as f32;
+            *drive = Drive::Alternation { low_c, high_c: target_c, half_ticks: ticks.round() as u32 };
+        }
+    }
+    Ok(())
+}
+
+/// Gives every element that holds a temperature this one. One that alternates has it as its higher
+/// one, and the lower one as far below as before.
 ///
 /// # Errors
 /// If it is beyond an element's limit: all stay as they are.
 pub fn set(experiment: &mut Experiment, target_c: f64) -> Result<(), LogRefusal> {
-    let holds = |drive: &Drive| matches!(drive, Drive::Temperature { .. });
     let held = || experiment.drives.iter().zip(&experiment.head.elements).filter(|(drive, _)| holds(drive));
     let most_c = |of: &HeadElement| of.config.hottest_set_point().0;
     if let Some((_, element)) = held().find(|(_, of)| target_c > f64::from(most_c(of))) {
@@ -64,10 +89,14 @@ pub fn set(experiment: &mut Experiment, target_c: f64) -> Result<(), LogRefusal>
         return Err(LogRefusal::BeyondLimit { temperature_c: target_c, element, most_c });
     }
     let target_c = target_c as f32;
-    experiment
-        .drives
-        .iter_mut()
-        .filter(|drive| holds(drive))
-        .for_each(|drive| *drive = Drive::Temperature { target_c });
+    for drive in &mut experiment.drives {
+        *drive = match *drive {
+            Drive::Temperature { .. } => Drive::Temperature { target_c },
+            Drive::Alternation { low_c, high_c, half_ticks } => {
+                Drive::Alternation { low_c: target_c - (high_c - low_c), high_c: target_c, half_ticks }
+            }
+            other => other,
+        };
+    }
     Ok(())
 }

@@ -31,4 +31,16 @@ pub enum LogRefusal {
         /// What its head allows, °C.
         most_c: f32,
     },
+    /// Overheats that cannot alternate.
+    #[error(
+        "overheats of {high_k} and {low_k} K, each for {half_s} s, cannot alternate: they must descend to one above 0, and last whole sample periods"
+    )]
+    NoAlternation {
+        /// The first, K.
+        high_k: f64,
+        /// The second, K.
+        low_k: f64,
+        /// How long each was to last, s.
+        half_s: f64,
+    },
 }

@@ -329,7 +329,7 @@ impl Session {
             return Ok(());
         }
         let drives = self.experiment.drives.clone();
-        let mut held = drives.iter().enumerate().filter(|(_, drive)| matches!(drive, Drive::Temperature { .. }));
+        let mut held = drives.iter().enumerate().filter(|(_, drive)| overheat::holds(drive));
         held.try_for_each(|(element, drive)| self.drive(instrument, element, *drive)).or_else(|error| match error {
             // A set-point that the models refuse, and a trip meanwhile: the samples tell of it.
             InstrumentError::Refused(refusal) => {
