@@ -31,8 +31,8 @@ pub const HEATER: &str = "heater_";
 pub const CONDUCTANCE: &str = "conductance_w_k_";
 /// Power over overheat of an element, W/K.
 pub const RAW_CONDUCTANCE: &str = "raw_w_k_";
-/// Heat that an element without a surface gains from its support, or by its stem, beyond what it did
-/// in the identification, W.
+/// Heat that an element without a surface gains from its support, or by its stem, beyond what it
+/// did in the identification, W.
 pub const UNKNOWN_HEAT: &str = "unknown_heat_w_";
 
 /// Quantities that stand before an element's name.

@@ -86,8 +86,8 @@ fn elements_that_no_loop_holds_are_named_once() {
     assert!(said("{ level = \"high\" }"));
 }
 
-/// 5 % of the pressure are 5 % of the speed; one kelvin is more than a thirtieth, since the head has
-/// not 30 K yet.
+/// 5 % of the pressure are 5 % of the speed; one kelvin is more than a thirtieth, since the head
+/// has not 30 K yet.
 #[test]
 fn the_uncertainty_of_the_gas_goes_into_that_of_the_wind() {
     let folder = recorded("{ temperature_c = -23.15 }");

@@ -416,8 +416,8 @@ impl<const N: usize> Controller<N> {
             state.saturated_ticks = if state.drive.saturated { state.saturated_ticks.saturating_add(1) } else { 0 };
             let regulates = element.drive.target_range_c().is_some();
             let no_rise = state.rise.is_missing(self.levels.level(i), state.temperature_c, regulates, no_rise_full);
-            // One that is warm enough without its heater, as a core that loses its fight with a warm
-            // support, is in no danger, and ends no run.
+            // One that is warm enough without its heater, as a core that loses its fight with a
+            // warm support, is in no danger, and ends no run.
             let is_too_warm = regulates && high >> i & 1 == 0;
             if (state.saturated_ticks > self.guard.unreachable_limit_ticks && !is_too_warm) || no_rise {
                 trip = trip.or(Some(Trip::of(i, Cause::Unreachable)));

@@ -22,8 +22,8 @@ use crate::thesis::{StudyError, StudyLab};
 
 /// Of the first specimen.
 const SEED: u64 = 41;
-/// Names of the experiments of `experiments/field`, each with what is otherwise in it, by what it is
-/// corrected, and with which standard uncertainty of its gas, K.
+/// Names of the experiments of `experiments/field`, each with what is otherwise in it, by what it
+/// is corrected, and with which standard uncertainty of its gas, K.
 const EFFECTS: [(&str, &str, SlowErrorKind, Option<f64>); 4] = [
     ("sun", "sun, up to 3 mW, turning", SlowErrorKind::Offsets, None),
     ("surface-heat", "3 mW on one sector, from half way", SlowErrorKind::Offsets, None),
