@@ -126,7 +126,9 @@ impl FieldReport {
             "Sphere B, {}: identified and calibrated without any effect by `experiments/wind/quick`, judged in the winds of \
              `experiments/field` at {MODE}, {SETTLE_S} s after each change. *95 % intervals*: how many of estimates without a flag \
              hold the true value. *Unsaid*: estimates off by more than three standard uncertainties without a flag. \
-             *Corrected*: the same by [`--field-correction`](../explanation/slow-errors.md).",
+             *Corrected*: the same by [`--field-correction`](../explanation/slow-errors.md). Flags beside `inconsistent` are of \
+             winds near the stem, from where the short tunnel has none, of the strongest, which take all power, and under the sun \
+             of the beginning, which looks like a warm head's.",
             count(self.specimens as usize, "specimen")
         )
     }
