@@ -114,8 +114,8 @@ pub struct Arguments {
     /// Side of a die, mm.
     #[arg(long, value_name = "MM", default_value_t = 1.5)]
     die_mm: f64,
-    /// At which temperature a sphere takes the properties of the gas; by default that of the film,
-    /// or what winds of several gas temperatures say.
+    /// At which temperature the properties of the gas are taken; by default for a sphere that of
+    /// the film, or what winds of several gas temperatures say, for other forms that of the gas.
     #[arg(long, value_name = "WHERE", value_parser = choice([
         ("film", "half-way between gas and surfaces", PropertyTemperature::Film),
         ("gas", "the temperature of the gas", PropertyTemperature::Gas),

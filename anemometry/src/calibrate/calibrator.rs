@@ -108,6 +108,10 @@ impl<'a> Calibrator<'a> {
         law: Option<LossLaw>,
     ) -> Result<Self, CalibratorError> {
         if let Some((places, drawn)) = card(head, options)? {
+            if options.film_share.is_some() {
+                let sentence = "--properties is of surfaces round a body: the law of a card has its own numbers";
+                return Err(CalibratorError::Options(sentence.to_owned()));
+            }
             if matches!(network, NetworkSource::Table { .. }) {
                 let sentence = "dice of one card warm each other: in place of --time-constant they need --network";
                 return Err(CalibratorError::Options(sentence.to_owned()));

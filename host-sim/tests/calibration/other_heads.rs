@@ -3,8 +3,8 @@
 
 use anemometry::calibrate::drawn::surfaces_of;
 use anemometry::calibrate::{
-    CalibrateError, ComparisonSummary, DrawnSurface, DrawnSurfaces, LossLaw, SoughtConvection, SteadyWind,
-    SurfaceCalibration, SurfaceReading, calibrate, compare,
+    CalibrateError, ComparisonSummary, ConvectionOptions, DrawnSurface, DrawnSurfaces, Gravity, LossLaw,
+    SoughtConvection, SteadyWind, SurfaceCalibration, SurfaceReading, calibrate, chosen, compare,
 };
 use anemometry::gas::{IdealGas, Species};
 use anemometry::head::body::{CylinderShape, WireLaw, WireShape};
@@ -113,6 +113,48 @@ fn a_hot_wire_that_obeys_kings_law_gives_its_exponent_and_the_speed() {
         let found = calibrate(&spline, &bench.readings(&known, 2e-3, seed)).unwrap();
         assert!(bench.unseen(&found, &winds(100, [0.5, 12.0], 0.0, 0.3)).speed_rms < 5e-3);
     }
+}
+
+/// A wire of King's law with the properties of its film, calibrated with 60 K of overheat, at which
+/// the network was made, too.
+#[test]
+fn film_properties_hold_for_a_wire_at_another_overheat() {
+    let options = |film_share| ConvectionOptions {
+        film_share,
+        gravity: Gravity { m_s2: 0.0, up: [0.0, 0.0, 1.0] },
+        stem: [0.0, 0.0, -1.0],
+    };
+    let readings = |overheat_k: f64| -> Vec<SteadyWind> {
+        let conductance_w_k = |speed: f64, overheat_k: f64| {
+            let film = IdealGas::new(Species::Air, 101_325.0, 293.15 + 0.5 * overheat_k).unwrap();
+            let reynolds = film.density_kg_m3 * speed * 5e-6 / film.viscosity_pa_s;
+            PI * 0.01 * film.conductivity_w_m_k * (0.3 + 0.55 * reynolds.powf(0.45))
+        };
+        let wind = |n: i32| {
+            let speed = 0.5 * 24_f64.powf(f64::from(n) / 19.0);
+            let power_w = conductance_w_k(speed, overheat_k) * overheat_k - conductance_w_k(0.0, 60.0) * overheat_k;
+            let surface = SurfaceReading {
+                power_w,
+                overheat_k,
+                above_reference_k: overheat_k,
+                variance_w2: (1e-4 * power_w).powi(2),
+            };
+            SteadyWind { label: format!("wind {n}"), wind_m_s: [-speed, 0.0, 0.0], gas: air(), surfaces: vec![surface] }
+        };
+        (0..20).map(wind).collect()
+    };
+    let plain = drawn(HeadForm::Single, LossLaw::Spline, &[[1.0, 0.0, 0.0]], 5e-6);
+    let error = |film_share: Option<f64>, overheat_k: f64| {
+        let convection = chosen(&plain, &readings(60.0), &options(film_share)).unwrap();
+        let found = calibrate(&DrawnSurfaces { convection, ..plain.clone() }, &readings(60.0)).unwrap();
+        assert_eq!(found.convection.is_some(), film_share.is_some());
+        let errors: Vec<_> = readings(overheat_k).iter().map(|of| compare(&found, of).unwrap().unwrap()).collect();
+        ComparisonSummary::of(errors.iter()).speed_rms
+    };
+    let [gas, film] = [None, Some(0.5)].map(|share| error(share, 200.0));
+    println!("200 K: {gas} by the gas, {film} by the film");
+    assert!(error(Some(0.5), 60.0) < 5e-3 && error(None, 60.0) < 5e-3);
+    assert!(film < 0.5 * gas, "{film} {gas}");
 }
 
 #[test]

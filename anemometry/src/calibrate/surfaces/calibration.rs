@@ -411,10 +411,11 @@ fn is_of_plane(problem: &SurfaceProblem<'_>) -> bool {
     SymmetricEigen::new(spread / count).eigenvalues.min() < LEAST_OUT.powi(2)
 }
 
-/// How the convection of a sphere was taken.
+/// How the convection was taken, if otherwise than by the gas in the wind itself.
 fn convection(problem: &SurfaceProblem<'_>, fitted: &SurfaceFit) -> Option<ConvectionModelTable> {
     let (sought, place) = (&problem.head.drawn.convection, &fitted.place);
-    if !problem.head.form().is_sphere() {
+    let is_sphere = problem.head.form().is_sphere();
+    if !is_sphere && sought.film_share == 0.0 {
         return None;
     }
     let moving = || problem.winds.iter().filter(|wind| !wind.is_quiescent());
@@ -425,7 +426,7 @@ fn convection(problem: &SurfaceProblem<'_>, fitted: &SurfaceFit) -> Option<Conve
         at_rest: place.stream[0].max(0.0),
         decay: place.stream[1].max(0.0),
     });
-    let stem = problem.head.is_complete().then(|| {
+    let stem = (is_sphere && problem.head.is_complete()).then(|| {
         let axis = sought.stem.unwrap_or(DrawnOptions::default().stem);
         let (factor, deflection) = match sought.stem {
             Some(_) => sought.stem_map(&place.stream),

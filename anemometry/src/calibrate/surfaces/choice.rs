@@ -1,4 +1,4 @@
-//! Which convection the readings of a sphere determine: at which temperature properties are taken,
+//! Which convection the readings of a sphere determine, other forms have it from an option: at which temperature properties are taken,
 //! whether Nu at rest, the rise of the warmed gas and a map of the stem are fitted, and whether
 //! quiescent gas contradicts the winds.
 //!
@@ -50,7 +50,8 @@ pub fn chosen(
 ) -> Result<SoughtConvection, CalibrateError> {
     let ready = readings::ready(head)?;
     if !ready.form().is_sphere() {
-        return Ok(SoughtConvection::default());
+        let film_share = options.film_share.unwrap_or(0.0);
+        return Ok(SoughtConvection { film_share, ..SoughtConvection::default() });
     }
     let winds = readings::winds(&ready, steady)?;
     let still = winds.iter().filter(|wind| wind.is_quiescent());

@@ -52,7 +52,7 @@ pub struct CalibrationTable {
     /// The same of a card.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub card: Option<CardTable>,
-    /// How the convection of a sphere is taken.
+    /// How the convection is taken.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub convection: Option<ConvectionModelTable>,
     /// In which gas and at which temperatures it was made; older heads do not state it.
