@@ -1,6 +1,6 @@
-//! Which convection the readings of a sphere determine, other forms have it from an option: at which temperature properties are taken,
-//! whether Nu at rest, the rise of the warmed gas and a map of the stem are fitted, and whether
-//! quiescent gas contradicts the winds.
+//! Which convection the readings of a sphere determine, other forms have it from an option: at
+//! which temperature properties are taken, whether Nu at rest, the rise of the warmed gas and a map
+//! of the stem are fitted, and whether quiescent gas contradicts the winds.
 //!
 //! Each is added if the cost falls by more than chance and the misfit of the model explain:
 //!
