@@ -144,8 +144,16 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     };
     let mut estimation =
         WindEstimation::new(&arguments.recording, &head, &options, table.as_ref()).map_err(Failure::usage)?;
+    let mut better = None;
     if let Some(kind) = arguments.field_correction {
         let correction = field_correction(&mut estimation, kind.into())?;
+        better = estimation.likelier_than(&correction).map(|other| {
+            let [kind, other] = [correction.kind, other].map(SlowErrorKind::word);
+            format!("--field-correction {kind}: `{other}` explain the contradictions far better")
+        });
+        if let (Some(path), Some(better)) = (&arguments.write_head, &better) {
+            return Err(Failure::work(format!("{}: not written: {better}", path.display())));
+        }
         if let Some(path) = &arguments.write_head {
             write_head(path, arguments, &estimation, &correction, &known)?;
         }
@@ -196,6 +204,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     recorded.finish(&Metadata::new())?;
     let mut report = estimation.report();
+    report.warnings.extend(better);
     report.written = [arguments.write_head.as_deref(), arguments.output.as_deref(), arguments.picture.path()]
         .into_iter()
         .flatten()
@@ -236,7 +245,7 @@ fn check(arguments: &Arguments) -> Result<(), Failure> {
         [("--gas-uncertainty", arguments.gas_uncertainty), ("--pressure-uncertainty", arguments.pressure_uncertainty)]
     {
         if let Some(value) = value.filter(|value| !(value.is_finite() && *value >= 0.0)) {
-            return Err(Failure::usage(format!("{option} {value} must not be negative")));
+            return Err(Failure::usage(format!("{option} is {value}: it must be 0 or a positive number")));
         }
     }
     if !WindOutput::BANDWIDTHS_HZ.contains(&arguments.bandwidth) {

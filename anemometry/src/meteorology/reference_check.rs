@@ -20,6 +20,8 @@ const LEAST_INTERVALS: usize = 10;
 const OTHER_UNITS: [(&str, f64); 3] = [("km/h", 3.6), ("knots", 1.944), ("mph", 2.237)];
 /// Ratio up to which a scale is that of another unit.
 const SAME_UNIT: f64 = 0.05;
+/// Scales that a calibration may have got.
+const SCALES: std::ops::Range<f64> = 0.7..1.4;
 /// Standard uncertainties beyond which an offset is one.
 const SIGNIFICANT: f64 = 2.0;
 
@@ -125,6 +127,12 @@ impl ReferenceCheck {
         let is_of = |(_, per_m_s): &&(&str, f64)| (self.scale.value / per_m_s - 1.0).abs() < SAME_UNIT;
         if let Some((unit, _)) = OTHER_UNITS.iter().find(is_of) {
             return Some(format!("the reference seems to be in {unit}: its table takes m/s"));
+        }
+        if !SCALES.contains(&self.scale.value) {
+            return Some(format!(
+                "a scale of {:.3} is none that ages: are unit, head and place of the reference right?",
+                self.scale.value
+            ));
         }
         let Sampled { value, u } = self.offset_m_s;
         (value.abs() > SIGNIFICANT * u).then(|| {

@@ -212,6 +212,18 @@ impl<'a> WindEstimation<'a> {
         Ok(self.calibration.with_corrections(&whole, found, day, self.head)?.0)
     }
 
+    /// The kind that explains the contradictions far better than that which was sought, if one
+    /// does.
+    pub fn likelier_than(&self, correction: &FieldCorrection) -> Option<SlowErrorKind> {
+        let other = match correction.kind {
+            SlowErrorKind::Offsets => SlowErrorKind::Gains,
+            SlowErrorKind::Gains => SlowErrorKind::Offsets,
+            SlowErrorKind::Both => return None,
+        };
+        let (better, as_likely) = FieldCorrection::likelier(correction.clone(), self.slow_errors(other).ok()?);
+        (better.kind == other && as_likely.is_none() && better.explains()).then_some(other)
+    }
+
     /// The slow errors that were corrected, or those that explain why estimates contradict
     /// themselves.
     fn slow_error_report(&self) -> Option<SlowErrorReport> {

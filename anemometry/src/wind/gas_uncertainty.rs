@@ -1,9 +1,12 @@
 //! What the uncertainty of the gas's readings does to a wind: beside the anemometer go others, each
-//! with one reading off by its standard uncertainty, and the difference of their winds is added.
+//! with one reading a little off, and the difference of their winds is added, as much larger as the
+//! reading's uncertainty is.
 //!
 //! ```text
-//! C ← C + Σ_r d_r d_rᵀ        d_r = v(reading r + its uncertainty) − v
+//! C ← C + Σ_r d_r d_rᵀ        d_r = (u_r/h_r) (v(r + h_r) − v)
 //! ```
+//!
+//! h_r is half a per cent of the pressure, and 0.1 K.
 //!
 //! So it holds for every head, whatever its calibration takes the gas for.
 //!
@@ -33,6 +36,10 @@ pub struct GasUncertainty {
     pub temperature_k: Option<f64>,
 }
 
+/// By which share of the pressure, and by how many kelvins, a reading is off.
+const PRESSURE_SHARE: f32 = 5e-3;
+const TEMPERATURE_K: f32 = 0.1;
+
 /// Anemometers whose readings of the gas are off.
 #[derive(Debug, Clone)]
 pub struct GasReadingErrors<'a> {
@@ -46,8 +53,17 @@ pub struct GasReadingErrors<'a> {
 #[derive(Debug, Clone)]
 struct OffReading<'a> {
     anemometer: OffLineAnemometer<'a>,
-    pressure_pa: f32,
-    temperature_k: f32,
+    reading: GasReading,
+    /// Standard uncertainty, Pa or K.
+    uncertainty: f32,
+    /// By how much the reading is off, Pa or K; 0 before there is one.
+    off: f32,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum GasReading {
+    Pressure,
+    Temperature,
 }
 
 impl<'a> GasReadingErrors<'a> {
@@ -62,11 +78,11 @@ impl<'a> GasReadingErrors<'a> {
         output: &WindOutput,
         sample_period_s: f64,
     ) -> Result<Self, FileError> {
-        let pressure = uncertainty.pressure_pa.map(|pressure_pa| (pressure_pa as f32, 0.0));
-        let temperature = uncertainty.temperature_k.map(|temperature_k| (0.0, temperature_k as f32));
-        let others = [pressure, temperature].into_iter().flatten().map(|(pressure_pa, temperature_k)| {
+        let pressure = uncertainty.pressure_pa.map(|pressure_pa| (GasReading::Pressure, pressure_pa as f32));
+        let temperature = uncertainty.temperature_k.map(|kelvin| (GasReading::Temperature, kelvin as f32));
+        let others = [pressure, temperature].into_iter().flatten().map(|(reading, uncertainty)| {
             let anemometer = OffLineAnemometer::new(head, calibration, output, sample_period_s)?;
-            Ok(OffReading { anemometer, pressure_pa, temperature_k })
+            Ok(OffReading { anemometer, reading, uncertainty, off: 0.0 })
         });
         Ok(Self {
             others: others.collect::<Result<_, FileError>>()?,
@@ -80,8 +96,15 @@ impl<'a> GasReadingErrors<'a> {
     /// # Errors
     /// The number that the board refuses.
     pub fn gas(&mut self, pressure_pa: f32, temperature_c: Option<f32>) -> Result<(), GasInputError> {
-        self.others.iter_mut().try_for_each(|of| {
-            of.anemometer.gas(pressure_pa + of.pressure_pa, temperature_c.map(|celsius| celsius + of.temperature_k))
+        self.others.iter_mut().try_for_each(|of| match of.reading {
+            GasReading::Pressure => {
+                of.off = PRESSURE_SHARE * pressure_pa;
+                of.anemometer.gas(pressure_pa + of.off, temperature_c)
+            }
+            GasReading::Temperature => {
+                of.off = TEMPERATURE_K;
+                of.anemometer.gas(pressure_pa, temperature_c.map(|celsius| celsius + of.off))
+            }
         })
     }
 
@@ -95,31 +118,33 @@ impl<'a> GasReadingErrors<'a> {
         let mut off = [None, None];
         for (off, other) in off.iter_mut().zip(&mut self.others) {
             let mut tick = *tick;
-            if let Some(read_c) = self.reference.and_then(|place| tick.temperature_c.get_mut(place)) {
-                *read_c += other.temperature_k;
+            if let Some(read_c) = self.reference.and_then(|place| tick.temperature_c.get_mut(place))
+                && other.reading == GasReading::Temperature
+            {
+                *read_c += other.off;
             }
-            *off = other.anemometer.step(&tick);
+            *off = other.anemometer.step(&tick).map(|off| (off, other.uncertainty / other.off));
         }
         let Some(estimate) = estimate else { return };
-        for off in off.into_iter().flatten() {
-            add(&off, self.axes_across, estimate);
+        for (off, ratio) in off.into_iter().flatten() {
+            add(&off, ratio, self.axes_across, estimate);
         }
     }
 }
 
-/// Adds what a reading that is off does to a wind.
-fn add(off: &WindSample, axes_across: f64, estimate: &mut WindSample) {
+/// Adds what a reading does to a wind whose uncertainty is so many times as large as it is off.
+fn add(off: &WindSample, ratio: f32, axes_across: f64, estimate: &mut WindSample) {
     let unknown = [QualityFlags::FAILED, QualityFlags::AMBIGUOUS];
     if unknown.iter().any(|&flag| estimate.quality_flags.has(flag) || off.quality_flags.has(flag)) {
         return;
     }
-    let [x, y, z] = core::array::from_fn(|i| off.wind_m_s[i] - estimate.wind_m_s[i]);
+    let [x, y, z] = core::array::from_fn(|i| ratio * (off.wind_m_s[i] - estimate.wind_m_s[i]));
     let squares = [x * x, y * y, z * z, x * y, x * z, y * z];
     estimate.covariance_m2_s2.iter_mut().zip(squares).for_each(|(element, square)| *element += square);
-    estimate.speed_error_m_s = estimate.speed_error_m_s.hypot(off.speed_m_s - estimate.speed_m_s);
+    estimate.speed_error_m_s = estimate.speed_error_m_s.hypot(ratio * (off.speed_m_s - estimate.speed_m_s));
     let turned_deg = angle_deg(off.wind_m_s.map(f64::from), estimate.wind_m_s.map(f64::from));
     if turned_deg.is_finite() {
-        let turned_rad = (turned_deg.to_radians() / axes_across.sqrt()) as f32;
+        let turned_rad = ratio * (turned_deg.to_radians() / axes_across.sqrt()) as f32;
         estimate.direction_error_rad = estimate.direction_error_rad.hypot(turned_rad).min(core::f32::consts::PI);
     }
 }
@@ -146,14 +171,14 @@ mod tests {
 
     #[test]
     fn what_a_reading_moves_is_added_to_what_was_uncertain() {
-        // Faster by 0.4 m/s, and turned by 0.04 rad.
-        let (sin, cos) = 0.04_f32.sin_cos();
+        // Faster by 0.4 m/s, and turned by 0.04 rad, by ten times what the reading is off.
+        let (sin, cos) = 0.004_f32.sin_cos();
         let mut estimate = wind([5.0, 0.0, 0.0]);
-        add(&wind([5.4 * cos, 5.4 * sin, 0.0]), 1.0, &mut estimate);
+        add(&wind([5.04 * cos, 5.04 * sin, 0.0]), 10.0, 1.0, &mut estimate);
         assert!((estimate.speed_error_m_s - 0.5).abs() < 1e-4, "{estimate:?}");
         assert!((estimate.direction_error_rad - 0.05).abs() < 1e-4, "{estimate:?}");
         let [xx, yy, zz, xy, ..] = estimate.covariance_m2_s2;
-        assert!((xx - 0.1566).abs() < 1e-3 && (yy - 0.0466).abs() < 1e-3 && (xy * xy / (xx * yy) - 1.0).abs() < 1e-3);
+        assert!((xx - 0.16).abs() < 1e-3 && (yy - 0.0406).abs() < 1e-3 && (xy * xy / (xx * yy) - 1.0).abs() < 1e-3);
         assert!(zz.abs() < 1e-9);
     }
 
@@ -161,7 +186,7 @@ mod tests {
     fn a_wind_that_another_reading_makes_ambiguous_says_nothing() {
         let mut estimate = wind([5.0, 0.0, 0.0]);
         let twin = WindSample { quality_flags: QualityFlags::AMBIGUOUS, ..wind([-5.0, 0.0, 0.0]) };
-        add(&twin, 2.0, &mut estimate);
+        add(&twin, 1.0, 2.0, &mut estimate);
         assert_eq!(estimate, wind([5.0, 0.0, 0.0]));
     }
 }

@@ -16,6 +16,9 @@ use super::free_stream::{FreeStream, RiseConfig, StemConfig};
 use super::gas_law::ZERO_CELSIUS_K;
 use crate::error::{self, ConfigError, Parameter};
 
+/// Uncertainty of the speed for a kelvin, 1/K, from which on properties were assumed.
+const ASSUMED_PER_K: f32 = 1e-3;
+
 /// Settings as they travel and are stored.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -71,6 +74,12 @@ impl ConvectionSettings {
             ],
             free_stream: FreeStream::new(config.rise, config.stem)?,
         })
+    }
+
+    /// Whether the calibration assumes the properties of the film: gas of one temperature, at one
+    /// overheat, does not tell.
+    pub fn is_film_assumed(&self) -> bool {
+        self.film_share > 0.0 && self.away_per_k[0] > ASSUMED_PER_K
     }
 
     /// What a gas temperature that no calibration has had adds to the uncertainty: shares of the

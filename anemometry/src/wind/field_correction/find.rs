@@ -9,7 +9,7 @@ use super::equations::{corrections, distinct, equations};
 use super::evidence::SlowEvidence;
 use super::halves::OverheatHalves;
 use super::open::{OpenError, open_errors};
-use super::overheats::{overheat_chi_square, overheat_equations, widen_by_missed};
+use super::overheats::{missed_mw, overheat_chi_square, overheat_equations, widen_by_missed};
 use super::smoother::{OverheatEquation, SlowEquation, SlowErrorsAt, SlowJump, SlowPrior, SlowSeries, doubt, smooth};
 
 /// Rounds of linear equations about the winds of the round before.
@@ -116,6 +116,11 @@ pub enum SlowErrorsUnknown {
         /// So many it takes.
         least: usize,
     },
+    /// The overheat changes, but not in halves that count.
+    #[error(
+        "the overheat changes, but fewer than six halves of it count, and there are too few winds without them: let it alternate between overheats at least 15 % apart, for longer at each than the head takes to cool (its estimates are `saturated` meanwhile), and for a multiple of that"
+    )]
+    NoHalves,
     /// The winds do not say which surface is wrong.
     #[error(
         "the winds of the recording do not say which surface is wrong, so nothing can be corrected: record winds of more directions and speeds, or seek offsets or gains alone in place of both"
@@ -200,6 +205,9 @@ impl FieldCorrection {
         let count = own.iter().flatten().count();
         let tells = tells(&overheats);
         if count > 0 && !tells && distinct(&own) < LEAST_WINDS {
+            if kind == SlowErrorKind::Offsets && OverheatHalves::is_two(evidence) {
+                return Err(SlowErrorsUnknown::NoHalves);
+            }
             return Err(SlowErrorsUnknown::FewWinds { least: LEAST_WINDS });
         }
         let square = |of: &SlowEquation, errors: Option<&SlowErrorsAt>| {
@@ -214,14 +222,15 @@ impl FieldCorrection {
             return Err(SlowErrorsUnknown::NoWind);
         }
         let begin_s = evidence.begin_s();
+        let missed_mw = missed_mw(anemometer);
         let overheats = halves.filter(|_| !overheats.is_empty()).map(|halves| OverheatFinding {
             overheat_k: halves.overheat_k,
             halves: halves.halves.len(),
-            chi_square: overheat_chi_square(&overheats, |slot| found[slot]),
+            chi_square: overheat_chi_square(&overheats, missed_mw, |slot| found[slot]),
             equations: overheats,
         });
         if overheats.is_some() {
-            widen_by_missed(&mut found);
+            widen_by_missed(&mut found, missed_mw);
         }
         let found = Self { kind, prior, jumps, count, chi_square, overheats, begin_s, slot_s, equations: own, found };
         // Where nothing contradicts, or hardly, errors are as small as they are unknown.

@@ -92,6 +92,11 @@ impl OverheatHalves {
         Some(found)
     }
 
+    /// Whether a recording has two overheats, whatever its halves are.
+    pub fn is_two(evidence: &SlowEvidence) -> bool {
+        levels(evidence.slots()).is_some()
+    }
+
     /// f
     fn slow_factor(&self) -> f64 {
         let difference = |five: &[OverheatHalf]| {

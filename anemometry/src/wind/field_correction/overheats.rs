@@ -14,7 +14,8 @@
 //! [`super::halves`]. Halves belong to one equation each.
 //!
 //! *Limits.* Quiescent-gas network and resistances are wrong at another overheat in their own way,
-//! by [`MISSED_MW`], which no record tells.
+//! by [`MISSED_MW`], which no record tells, and properties that the calibration assumes by more
+//! ([`missed_mw`]).
 
 use dr_core::wind::slow_errors::SurfaceCorrection;
 use dr_core::wind::sphere::SECTORS;
@@ -26,7 +27,16 @@ use super::smoother::{OverheatEquation, SlowErrorsAt};
 
 /// Standard uncertainty of S by two overheats however long they alternate, mW: sphere B without any
 /// sun shows −0.07 to 0.09 mW at 30 and 20 K.
-pub const MISSED_MW: f64 = 0.08;
+const MISSED_MW: f64 = 0.08;
+/// The same where the calibration assumes film properties, which two overheats tell from those of
+/// the gas: 0.2 to 0.75 mW on each surface, if it is wrong.
+const MISSED_BY_FILM_MW: f64 = 0.5;
+
+/// What two overheats miss with such a head, mW.
+pub fn missed_mw<const N: usize>(anemometer: &Anemometer<N>) -> f64 {
+    if anemometer.is_film_assumed() { MISSED_BY_FILM_MW } else { MISSED_MW }
+}
+
 /// Least number of equations.
 const LEAST_EQUATIONS: usize = 2;
 
@@ -91,7 +101,11 @@ fn beyond_gas<const N: usize>(
 
 /// χ² of S = 0 over its degrees of freedom, without and with errors: of the mean that fits all
 /// equations, with what two overheats miss in its variance.
-pub fn overheat_chi_square(equations: &[OverheatEquation], errors: impl Fn(usize) -> SlowErrorsAt) -> [f64; 2] {
+pub fn overheat_chi_square(
+    equations: &[OverheatEquation],
+    missed_mw: f64,
+    errors: impl Fn(usize) -> SlowErrorsAt,
+) -> [f64; 2] {
     let mut normal = SurfaceCovariance::zeros();
     let mut pulls = [BySurface::zeros(); 2];
     for of in equations {
@@ -101,7 +115,7 @@ pub fn overheat_chi_square(equations: &[OverheatEquation], errors: impl Fn(usize
             *pull += of.per_mw.transpose() * left;
         }
     }
-    let missed = SurfaceCovariance::identity() * MISSED_MW.powi(2);
+    let missed = SurfaceCovariance::identity() * missed_mw.powi(2);
     let Some(covariance) = normal.try_inverse() else { return [0.0; 2] };
     let Some(precision) = (covariance + missed).try_inverse() else { return [0.0; 2] };
     pulls.map(|pull| {
@@ -111,10 +125,10 @@ pub fn overheat_chi_square(equations: &[OverheatEquation], errors: impl Fn(usize
 }
 
 /// Adds what two overheats miss to the covariance of the errors.
-pub fn widen_by_missed(errors: &mut [SlowErrorsAt]) {
+pub fn widen_by_missed(errors: &mut [SlowErrorsAt], missed_mw: f64) {
     for at in errors {
         for i in 0..SECTORS {
-            at.covariance[(i, i)] += MISSED_MW.powi(2);
+            at.covariance[(i, i)] += missed_mw.powi(2);
         }
     }
 }

@@ -41,6 +41,11 @@ impl<const N: usize> Anemometer<N> {
         uncertainty.conductance_share_at(scale.place(speed_m_s * scale.per_speed))
     }
 
+    /// Whether the calibration assumes properties of the film.
+    pub fn is_film_assumed(&self) -> bool {
+        self.setup.convection.as_ref().is_some_and(crate::wind::convection::ConvectionSettings::is_film_assumed)
+    }
+
     /// Gains of the surfaces, one after the other.
     pub fn gains(&self) -> impl Iterator<Item = f32> {
         self.setup.surfaces().map(|part| part.gain)
