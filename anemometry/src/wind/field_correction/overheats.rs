@@ -14,7 +14,7 @@
 //! [`super::halves`]. Halves belong to one equation each.
 //!
 //! *Limits.* Quiescent-gas network and resistances are wrong at another overheat in their own way,
-//! by [`MISSED_MW`], which no record tells, and properties that the calibration assumes by more
+//! by `MISSED_MW`, which no record tells, and properties that the calibration assumes by more
 //! ([`missed_mw`]).
 
 use dr_core::wind::slow_errors::SurfaceCorrection;
