@@ -73,6 +73,6 @@ fn recordings_of_a_calibrated_head_are_worked_off_again_against_the_truth() {
         let header = text.lines().find(|line| line.starts_with("time_s,")).unwrap();
         assert!(text.starts_with("# format: 2\n") && !header.contains(':'), "{header}");
         assert!(header.contains(",true_wind_x_m_s,") && header.contains(",wind_x_m_s,"), "{header}");
-        assert!(header.ends_with(",quality_flags"), "{header}");
+        assert!(header.ends_with(",quality_flags,unknown_heat_w_core1,unknown_heat_w_core2"), "{header}");
     }
 }
