@@ -1,0 +1,34 @@
+//! What applies symbols to a device and reads its capacitance: a simulation, or a meter.
+
+use crate::symbol::{Symbol, SymbolShape};
+
+/// Two capacitances in F, read at the ends of the two parts of a symbol; none where the meter has
+/// brought no reading, as at an overload.
+pub type SymbolReadings = [Option<f64>; 2];
+
+/// A device that takes symbols.
+pub trait DevicePort {
+    /// Applies one symbol, or 0 V for a symbol time, and reads the capacitance at the end of each
+    /// part.
+    ///
+    /// # Errors
+    /// If the device cannot be reached, or does not do as it is told. The port has tried to leave
+    /// it at 0 V.
+    fn apply(&mut self, symbol: Option<Symbol>, shape: &SymbolShape) -> Result<SymbolReadings, PortError>;
+
+    /// Leaves the device at 0 V.
+    ///
+    /// # Errors
+    /// If that cannot be made sure of.
+    fn release(&mut self) -> Result<(), PortError>;
+}
+
+/// Why a device takes no symbol.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{sentence}{}", if *is_released { "; the bias is 0 V" } else { "; that the bias is 0 V is not certain: take it off by hand" })]
+pub struct PortError {
+    /// What is wrong, and what would be right.
+    pub sentence: String,
+    /// Whether the device is known to be at 0 V.
+    pub is_released: bool,
+}
