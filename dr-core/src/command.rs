@@ -9,6 +9,7 @@ use crate::control::fingerprint::Fingerprint;
 use crate::control::guard::GuardConfig;
 use crate::control::self_test::plan::SelfTestPlan;
 use crate::control::state::ElementConfig;
+use crate::control::transducer::CapacitorConfig;
 use crate::model::SelfHeatingConfig;
 use crate::wind::anemometer::command::WindCommand;
 
@@ -85,6 +86,14 @@ pub enum Command {
     Fingerprint {
         /// Resistance of each element at the low level, Ω; 0 for one that is not compared.
         resistance_ohm: Fingerprint,
+    },
+    /// Curve, symbols and limits of a MEMS capacitor, which takes the place of an element and the
+    /// one after it ([`transducer`](crate::control::transducer)). In standby.
+    Capacitor {
+        /// Which, from 0. Those before it have to be configured already.
+        element: u8,
+        /// What it is.
+        config: CapacitorConfig,
     },
 }
 

@@ -98,6 +98,15 @@ pub enum Parameter {
     Buoyancy,
     StemMap,
     SurfaceCorrection,
+    FaradPerCode,
+    #[strum(to_string = "curvature_f_v2")]
+    CurvatureFV2,
+    NegativeV,
+    PositiveV,
+    SecondShare,
+    CapacitanceMaxF,
+    ShiftMaxV,
+    GainPerTick,
 }
 
 impl Parameter {

@@ -151,12 +151,12 @@ fn standing_by(system: &System, scenario: &Scenario) -> Result<DVector<f64>, Mod
 
 /// Each drive's state at its start; the resistor's range is the instrument's to judge.
 fn drive_states(scenario: &Scenario) -> Result<Vec<DriveState>, ModelError> {
-    let platinum = |heated: &Heated| match &heated.heater {
-        Heater::Resistor(channel) => Ok(*channel.platinum()),
-        Heater::Fixed { .. } => dr_core::sensor::Platinum::linear(100.0, 0.0031),
+    let range = |heated: &Heated| match &heated.heater {
+        Heater::Resistor(channel) => channel.platinum().range_c(),
+        Heater::Fixed { .. } => (f32::MIN, f32::MAX),
     };
     let state = |heated: &Heated| {
-        let state = platinum(heated).and_then(|platinum| heated.drive.start(&platinum));
+        let state = heated.drive.start(range(heated));
         state.map_err(|error| model_error!("{}: {error}", heated.name))
     };
     scenario.elements.iter().map(state).collect()
@@ -190,11 +190,7 @@ fn sampled(
 }
 
 fn decide(drive: &Drive, state: &mut DriveState, temperature_c: f64, levels_w: (f64, f64)) -> Level {
-    let input = DriveInput {
-        temperature_c: temperature_c as f32,
-        power_low_w: levels_w.0 as f32,
-        power_high_w: levels_w.1 as f32,
-    };
+    let input = DriveInput { measured: temperature_c as f32, low: levels_w.0 as f32, high: levels_w.1 as f32 };
     drive.step(state, &input)
 }
 
@@ -232,7 +228,10 @@ fn limit(
             let level = decide(&heated.drive, &mut drives[i], temperature_c, (low_w, high_w));
             levels[i] = (low_w - taken[i], high_w - taken[i]);
             match heated.drive {
-                Drive::Temperature { .. } | Drive::Setpoints { .. } | Drive::Alternation { .. } => {
+                Drive::Temperature { .. }
+                | Drive::SecondOrder { .. }
+                | Drive::Setpoints { .. }
+                | Drive::Alternation { .. } => {
                     let target_c = f64::from(drives[i].target_c);
                     if target_c != targets[i] {
                         targets[i] = target_c;

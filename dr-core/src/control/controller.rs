@@ -14,14 +14,15 @@
 //! anywhere. Heaters are low in `Standby` and `Tripped`.
 
 use super::drive::{Drive, DriveInput, DriveState};
-use super::energy::{EnergyBudget, EnergyLimit};
+use super::energy::EnergyBudget;
 use super::fingerprint::{COEFFICIENT_PER_K, Fingerprint, HeadCheck};
-use super::guard::{self, Cause, GuardConfig, ReadingJudgement, Trip};
+use super::guard::{Cause, GuardConfig, ReadingJudgement, Trip};
 use super::hardware_limits::HardwareLimits;
 use super::lockout::Lockout;
 use super::rise::{self, Rise};
-use super::state::{BOARD_ELEMENTS, ElementConfig, Heaters, MOST_ELEMENTS, Probe, RunState, Tick};
+use super::state::{BOARD_ELEMENTS, Heaters, MOST_ELEMENTS, Probe, RunState, Tick};
 use super::targets::{self, Margins};
+use super::transducer::{LastSymbol, Transducer, judge_resistor, judge_symbol};
 use crate::checksum::Checksum;
 use crate::command::HOST_TIMEOUT_S;
 use crate::model::{ORDER, Observer, ObserverState, RelaxationState, SelfHeating};
@@ -30,26 +31,23 @@ use crate::sensor::{Channel, Level, Reading};
 /// A configured element.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct ControlledElement {
-    config: ElementConfig,
+    transducer: Transducer,
     model: Option<SelfHeating>,
     /// Holds the states of the model on the measured temperature while the controller observes.
     observer: Option<Observer<ORDER>>,
     drive: Drive,
 }
 
-impl ControlledElement {
-    /// What power and energy it may have.
-    fn bears(&self, hardware: &HardwareLimits) -> EnergyLimit {
-        self.config.limits.energy.unwrap_or(hardware.energy)
-    }
-}
-
 /// State of an element.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct ElementState {
     drive: DriveState,
-    temperature_c: f32,
-    resistance_ohm: f32,
+    /// Temperature, °C, or voltage shift, V.
+    measured: f32,
+    /// What it was worked out from: resistance, Ω, or offset of the capacitance, F.
+    raw: f32,
+    /// Of a capacitor.
+    last_symbol: LastSymbol,
     /// Ticks in a row without a fresh reading.
     absent_ticks: u32,
     /// Ticks in a row that the drive was saturated.
@@ -179,7 +177,7 @@ impl<const N: usize> Controller<N> {
 
     /// Wiring of an element.
     pub(crate) fn channel(&self, element: usize) -> Option<&Channel> {
-        Some(&self.elements.get(element)?.as_ref()?.config.channel)
+        Some(&self.elements.get(element)?.as_ref()?.transducer.resistor()?.channel)
     }
 
     /// An element's model, if it has one.
@@ -190,8 +188,7 @@ impl<const N: usize> Controller<N> {
     /// The guard's judgement of a reading; none if the element is not configured.
     #[inline(never)] // beside the one in the tick, which is where time counts
     pub(crate) fn judge(&self, element: usize, reading: Reading, level: Level) -> Option<ReadingJudgement> {
-        let config = &self.elements.get(element)?.as_ref()?.config;
-        Some(guard::judge(&config.limits, &config.channel, reading, level))
+        Some(judge_resistor(self.elements.get(element)?.as_ref()?.transducer.resistor()?, reading, level))
     }
 
     /// Temperature of an element by its model, °C, if it has one. While observing, the model is
@@ -204,8 +201,7 @@ impl<const N: usize> Controller<N> {
     /// Power of an element at its low level and a temperature, W; nothing for one that is not
     /// configured.
     pub fn standing_power_w(&self, element: usize, temperature_c: f32) -> f32 {
-        let Some(Some(element)) = self.elements.get(element) else { return 0.0 };
-        element.config.channel.standing_power_w(temperature_c)
+        self.channel(element).map_or(0.0, |channel| channel.standing_power_w(temperature_c))
     }
 
     /// How far each configured element that holds a temperature stays from either level, by its
@@ -214,7 +210,7 @@ impl<const N: usize> Controller<N> {
         self.elements
             .iter()
             .map_while(Option::as_ref)
-            .map(|element| targets::margins(&element.drive, &element.config, element.model.as_ref()?))
+            .map(|element| targets::margins(&element.drive, &element.transducer, element.model.as_ref()?))
     }
 
     /// One tick. Readings of elements that are not configured are ignored.
@@ -260,7 +256,7 @@ impl<const N: usize> Controller<N> {
             elements: self.configured as u8,
             heaters: self.levels,
             valid,
-            temperature_c: self.states.map(|state| state.temperature_c),
+            temperature_c: self.states.map(|state| state.measured),
             power_w,
             equivalent_power_w: self.observing.then_some(equivalent_power_w),
             state: self.state,
@@ -318,7 +314,7 @@ impl<const N: usize> Controller<N> {
             let change_k = element
                 .as_ref()
                 .filter(|_| valid >> i & 1 == 1)
-                .map(|_| (state.resistance_ohm / taken_ohm - 1.0) / COEFFICIENT_PER_K);
+                .map(|_| (state.raw / taken_ohm - 1.0) / COEFFICIENT_PER_K);
             is_compared.then_some((i, change_k))
         }));
         self.head = compared.unwrap_or(self.head);
@@ -355,7 +351,9 @@ impl<const N: usize> Controller<N> {
     fn exceeded_energy(&self) -> Option<Trip> {
         let heats = matches!(self.state, RunState::Running | RunState::Testing);
         let mut all = self.elements.iter().map_while(Option::as_ref).zip(&self.energy).filter(|_| heats);
-        let exceeded = all.position(|(element, energy)| energy.is_exceeded(&element.bears(self.hardware)));
+        let exceeded = all.position(|(element, energy)| {
+            element.transducer.bears(self.hardware).is_some_and(|limit| energy.is_exceeded(&limit))
+        });
         exceeded.map(|i| Trip::of(i, Cause::Energy))
     }
 
@@ -370,27 +368,46 @@ impl<const N: usize> Controller<N> {
     /// Judges the readings; returns the mask of good ones and the first fault.
     fn judge_readings(&mut self, readings: &[Reading; N]) -> (usize, Option<Trip>) {
         let (mut valid, mut fault) = (0, None);
+        // Of the capacitor that the place before has.
+        let mut offset_f = 0.0;
         for (i, ((element, state), reading)) in self.elements.iter().zip(&mut self.states).zip(readings).enumerate() {
             let Some(element) = element else { break };
-            let cause =
-                match guard::judge(&element.config.limits, &element.config.channel, *reading, self.levels.level(i)) {
-                    ReadingJudgement::Good { resistance_ohm, temperature_c } => {
-                        state.absent_ticks = 0;
-                        state.track_code(*reading);
-                        state.resistance_ohm = resistance_ohm;
-                        state.temperature_c = temperature_c;
-                        valid |= 1 << i;
+            let judgement = match &element.transducer {
+                Transducer::Resistor(config) => judge_resistor(config, *reading, self.levels.level(i)),
+                // Without a bias the readings are of no symbol.
+                Transducer::Capacitor(_) if !self.levels.is_high(i + 1) => {
+                    state.last_symbol = None;
+                    continue;
+                }
+                Transducer::Capacitor(config) => {
+                    let both = [Some(reading), readings.get(i + 1)];
+                    judge_symbol(config, both, self.levels.level(i), &mut state.last_symbol)
+                }
+                Transducer::Bias => {
+                    // It shows what else the readings of its capacitor amount to.
+                    state.measured = offset_f;
+                    valid |= (valid << 1) & (1 << i);
+                    continue;
+                }
+            };
+            let cause = match judgement {
+                ReadingJudgement::Good { raw, value } => {
+                    state.absent_ticks = 0;
+                    state.track_code(*reading);
+                    (state.raw, state.measured) = (raw, value);
+                    offset_f = raw;
+                    valid |= 1 << i;
+                    continue;
+                }
+                ReadingJudgement::Absent(cause) => {
+                    state.absent_ticks = state.absent_ticks.saturating_add(1);
+                    if state.absent_ticks <= self.guard.missing_limit_ticks {
                         continue;
                     }
-                    ReadingJudgement::Absent(cause) => {
-                        state.absent_ticks = state.absent_ticks.saturating_add(1);
-                        if state.absent_ticks <= self.guard.missing_limit_ticks {
-                            continue;
-                        }
-                        cause
-                    }
-                    ReadingJudgement::Bad(cause) => cause,
-                };
+                    cause
+                }
+                ReadingJudgement::Bad(cause) => cause,
+            };
             fault = fault.or(Some(Trip::of(i, cause)));
         }
         (valid, fault)
@@ -403,22 +420,32 @@ impl<const N: usize> Controller<N> {
         let no_rise_full = rise::full(no_rise_ticks);
         for (i, (element, state)) in self.elements.iter().zip(&mut self.states).enumerate() {
             let Some(element) = element else { break };
-            if valid >> i & 1 == 0 {
-                continue;
+            let is_valid = valid >> i & 1 == 1;
+            match &element.transducer {
+                Transducer::Resistor(_) if is_valid => {}
+                Transducer::Resistor(_) => continue,
+                Transducer::Capacitor(_) if matches!(element.drive, Drive::Passive) => continue,
+                Transducer::Capacitor(_) => {
+                    high |= 2 << i; // the bias
+                    if self.levels.is_high(i + 1) && !is_valid {
+                        // The symbol repeats: no reading says that it should change.
+                        high |= self.levels.0 & (1 << i);
+                        continue;
+                    }
+                }
+                Transducer::Bias => continue,
             }
-            let channel = &element.config.channel;
-            let input = DriveInput {
-                temperature_c: state.temperature_c,
-                power_low_w: channel.power_w(state.resistance_ohm, Level::Low),
-                power_high_w: channel.power_w(state.resistance_ohm, Level::High),
-            };
+            let (low, high_input) = element.transducer.inputs(state.raw);
+            let input = DriveInput { measured: state.measured, low, high: high_input };
             high |= usize::from(element.drive.step(&mut state.drive, &input) == Level::High) << i;
             state.saturated_ticks = if state.drive.saturated { state.saturated_ticks.saturating_add(1) } else { 0 };
             let regulates = element.drive.target_range_c().is_some();
-            let no_rise = state.rise.is_missing(self.levels.level(i), state.temperature_c, regulates, no_rise_full);
+            let heats = element.transducer.resistor().is_some();
+            let level = self.levels.level(i);
+            let no_rise = heats && state.rise.is_missing(level, state.measured, regulates, no_rise_full);
             // One that is warm enough without its heater, as a core that loses its fight with a
             // warm support, is in no danger, and ends no run.
-            let is_too_warm = regulates && high >> i & 1 == 0;
+            let is_too_warm = heats && regulates && high >> i & 1 == 0;
             if (state.saturated_ticks > self.guard.unreachable_limit_ticks && !is_too_warm) || no_rise {
                 trip = trip.or(Some(Trip::of(i, Cause::Unreachable)));
             }
@@ -452,12 +479,19 @@ impl<const N: usize> Controller<N> {
         let states = self.states.iter_mut().zip(&mut self.energy).zip(&mut powers_w).zip(&mut equivalents_w);
         for (i, (element, (((state, energy), power_w), equivalent_w))) in self.elements.iter().zip(states).enumerate() {
             let Some(element) = element else { break };
-            *power_w = element.config.channel.power_w(state.resistance_ohm, self.levels.level(i));
-            energy.spend(*power_w, sample_period_s, &element.bears(self.hardware));
+            let (low, high) = element.transducer.inputs(state.raw);
+            *power_w = match &element.transducer {
+                Transducer::Capacitor(_) if !self.levels.is_high(i + 1) => 0.0,
+                _ if self.levels.is_high(i) => high,
+                _ => low,
+            };
+            if let Some(limit) = element.transducer.bears(self.hardware) {
+                energy.spend(*power_w, sample_period_s, &limit);
+            }
             let Some(model) = &element.model else { continue };
             let mut input_w = *power_w;
             if let Some(observer) = &element.observer {
-                let measured_c = (valid >> i & 1 == 1).then_some(state.temperature_c);
+                let measured_c = (valid >> i & 1 == 1).then_some(state.measured);
                 if let (0, Some(first_c)) = (self.tick, measured_c) {
                     // Before a run elements only sense, mostly for long: steady state is the best
                     // initial state.

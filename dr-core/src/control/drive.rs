@@ -9,13 +9,18 @@
 //! | `Prbs` | next bit of a pseudo-random sequence | open-loop identification |
 //! | `Setpoints` | as `Temperature`, the target drawn anew every dwell | identification of the boom |
 //! | `Alternation` | as `Temperature`, the target one of two in turn | none: heat beside the wind shows by it |
+//! | `SecondOrder` | high if the error and `gain_per_tick` times its sum are above zero | second-order charge control |
 //!
 //! In `Temperature` the thermal structure itself is the integrator, and the mean of the bits is the
-//! power it takes.
+//! power it takes. `SecondOrder` adds an integrator that leaks nothing, so that the mean error goes
+//! to zero where a loop of first order locks to a periodic stream of bits.
+//!
+//! An element is a heated resistor, whose temperature is held, or a MEMS capacitor, whose voltage
+//! shift is: set-points are in °C or in V, mean powers in W or in symbols of −1 and +1.
 
 use crate::error::{self, ConfigError, Parameter};
 use crate::fields::{FieldVisitor, Fields};
-use crate::sensor::{Level, Platinum};
+use crate::sensor::Level;
 use crate::signal::{Prbs, SigmaDelta};
 
 /// Length of the register that draws random set-points. 2³¹ − 1 draws do not repeat in an
@@ -40,12 +45,12 @@ pub enum Drive {
     Level(Level),
     /// Constant mean power by an open-loop sigma-delta between the levels.
     Power {
-        /// Mean power, W.
+        /// Mean power, W; of a capacitor, mean symbol.
         power_w: f32,
     },
     /// Constant temperature by the thermal sigma-delta loop.
     Temperature {
-        /// Set-point, °C.
+        /// Set-point, °C; of a capacitor, V.
         target_c: f32,
     },
     /// Pseudo-random levels.
@@ -77,34 +82,42 @@ pub enum Drive {
         /// Ticks that each lasts, at least 1.
         half_ticks: u32,
     },
+    /// A set-point by a loop of second order. It begins to integrate when it has first crossed the
+    /// set-point, so that the way there adds nothing.
+    SecondOrder {
+        /// Set-point, °C; of a capacitor, V.
+        target: f32,
+        /// Weight of the sum of the errors, one a tick, beside the error itself.
+        gain_per_tick: f32,
+    },
 }
 
 /// Inputs of a drive in one tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriveInput {
-    /// The element's temperature, °C.
-    pub temperature_c: f32,
-    /// What the low level would give off now, W.
-    pub power_low_w: f32,
-    /// What the high level would give off now, W.
-    pub power_high_w: f32,
+    /// The element's temperature, °C; of a capacitor its voltage shift, V.
+    pub measured: f32,
+    /// What the low level would put in now, W; of a capacitor −1.
+    pub low: f32,
+    /// What the high level would put in now, W; of a capacitor +1.
+    pub high: f32,
 }
 
 /// What a drive remembers between ticks. Which fields are in use depends on the drive.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DriveState {
-    /// Modulator of `Power`.
+    /// Modulator of `Power`; sum of the errors of `SecondOrder`.
     pub modulator: SigmaDelta,
     /// Register of `Prbs` and `Setpoints`.
     pub register: Option<Prbs>,
-    /// Ticks left of the bit, the dwell or the half.
+    /// Ticks left of the bit, the dwell or the half; of `SecondOrder` 0 once it integrates.
     pub ticks_left: u32,
     /// The last requested level.
     pub level: Level,
     /// A drive that controls a mean has requested the same level throughout: if this continues, the
     /// mean is out of reach.
     pub saturated: bool,
-    /// The set-point in force, °C.
+    /// The set-point in force, °C or V.
     pub target_c: f32,
 }
 
@@ -116,6 +129,7 @@ crate::fields::fields!(enum Drive {
     4 Prbs { order, seed, ticks_per_bit },
     5 Setpoints { low_c, high_c, dwell_ticks, seed },
     6 Alternation { low_c, high_c, half_ticks },
+    7 SecondOrder { target, gain_per_tick },
 });
 
 impl Drive {
@@ -124,35 +138,42 @@ impl Drive {
         !matches!(self, Self::Passive | Self::Level(Level::Low))
     }
 
-    /// Checks the drive's numbers against the resistor that it will heat and gives the state it
-    /// starts from.
+    /// Checks the drive's numbers against the least and greatest set-point of the element that it
+    /// is for and gives the state it starts from.
     ///
     /// # Errors
     /// Names the parameter that is out of range.
-    pub fn start(&self, platinum: &Platinum) -> Result<DriveState, ConfigError> {
-        let (coldest_c, hottest_c) = platinum.range_c();
+    pub fn start(&self, range: (f32, f32)) -> Result<DriveState, ConfigError> {
+        let (coldest_c, hottest_c) = range;
         let state = DriveState::default();
         Ok(match *self {
             Self::Passive | Self::Level(_) => state,
             Self::Power { power_w } => {
-                error::positive(Parameter::PowerW, power_w)?;
+                error::finite(Parameter::PowerW, power_w)?;
                 state
             }
             Self::Temperature { target_c } => {
                 DriveState { target_c: error::within(Parameter::TargetC, target_c, coldest_c, hottest_c)?, ..state }
+            }
+            Self::SecondOrder { target, gain_per_tick } => {
+                error::positive(Parameter::GainPerTick, gain_per_tick)?;
+                error::within(Parameter::GainPerTick, gain_per_tick, 0.0, 1.0)?;
+                let target_c = error::within(Parameter::TargetC, target, coldest_c, hottest_c)?;
+                // A first level, and then another one.
+                DriveState { target_c, ticks_left: 2, ..state }
             }
             Self::Prbs { order, seed, ticks_per_bit } => {
                 at_least_one(Parameter::TicksPerBit, ticks_per_bit)?;
                 DriveState { register: Some(Prbs::new(order, seed)?), ..state }
             }
             Self::Alternation { low_c, high_c, half_ticks } => {
-                check_pair(low_c, high_c, platinum)?;
+                check_pair(low_c, high_c, range)?;
                 at_least_one(Parameter::DwellTicks, half_ticks)?;
                 // The first tick begins the first half, at the other one.
                 DriveState { target_c: low_c, ..state }
             }
             Self::Setpoints { low_c, high_c, dwell_ticks, seed } => {
-                check_pair(low_c, high_c, platinum)?;
+                check_pair(low_c, high_c, range)?;
                 at_least_one(Parameter::DwellTicks, dwell_ticks)?;
                 let mut register = Prbs::new(SETPOINT_REGISTER, seed)?;
                 // A seed of few ones begins with many: they are let pass.
@@ -183,7 +204,7 @@ impl Drive {
             Self::Passive => Level::Low,
             Self::Level(level) => level,
             Self::Power { power_w } => {
-                let share = (power_w - input.power_low_w) / (input.power_high_w - input.power_low_w);
+                let share = (power_w - input.low) / (input.high - input.low);
                 // R(T) moves the levels: a power that was in reach may leave it. Then the nearest
                 // level is all there is.
                 state.saturated = !(0.0..=1.0).contains(&share);
@@ -196,7 +217,18 @@ impl Drive {
                 }
             }
             Self::Temperature { target_c } => {
-                let level = level(input.temperature_c < target_c);
+                let level = level(input.measured < target_c);
+                state.saturated = level == before;
+                level
+            }
+            Self::SecondOrder { target, gain_per_tick } => {
+                let (error, sum) = (target - input.measured, &mut state.modulator.accumulator);
+                let level = level(error + gain_per_tick * *sum > 0.0);
+                if state.ticks_left == 0 {
+                    *sum += error;
+                } else if state.ticks_left > 1 || level != before {
+                    state.ticks_left -= 1;
+                }
                 state.saturated = level == before;
                 level
             }
@@ -215,7 +247,7 @@ impl Drive {
                     state.ticks_left = half_ticks;
                 }
                 state.ticks_left -= u32::from(state.ticks_left > 0);
-                let level = level(input.temperature_c < state.target_c);
+                let level = level(input.measured < state.target_c);
                 state.saturated = level == before;
                 level
             }
@@ -227,7 +259,7 @@ impl Drive {
                     state.ticks_left = dwell_ticks;
                 }
                 state.ticks_left -= u32::from(state.ticks_left > 0);
-                let level = level(input.temperature_c < state.target_c);
+                let level = level(input.measured < state.target_c);
                 state.saturated = level == before;
                 level
             }
@@ -241,25 +273,25 @@ impl Drive {
         match self {
             Self::Passive | Self::Level(_) | Self::Temperature { .. } => {}
             Self::Power { .. } => modulator.accumulator.visit(visitor),
+            Self::SecondOrder { .. } => (modulator.accumulator, *ticks_left).visit(visitor),
             Self::Prbs { .. } => ((register, ticks_left), level).visit(visitor),
             Self::Setpoints { .. } => ((register, ticks_left), target_c).visit(visitor),
             Self::Alternation { .. } => (*ticks_left, *target_c).visit(visitor),
         }
     }
 
-    /// The highest and lowest set-point that the drive will ask for, °C, if it holds a temperature.
+    /// The lowest and highest set-point that the drive will request, °C or V, if it holds any.
     pub const fn target_range_c(&self) -> Option<(f32, f32)> {
         match *self {
-            Self::Temperature { target_c } => Some((target_c, target_c)),
+            Self::Temperature { target_c: target } | Self::SecondOrder { target, .. } => Some((target, target)),
             Self::Setpoints { low_c, high_c, .. } | Self::Alternation { low_c, high_c, .. } => Some((low_c, high_c)),
             _ => None,
         }
     }
 }
 
-/// Two set-points must be temperatures of the platinum, the lowest first.
-fn check_pair(low_c: f32, high_c: f32, platinum: &Platinum) -> Result<(), ConfigError> {
-    let (coldest_c, hottest_c) = platinum.range_c();
+/// Two set-points must be some that the element knows, the lowest first.
+fn check_pair(low_c: f32, high_c: f32, (coldest_c, hottest_c): (f32, f32)) -> Result<(), ConfigError> {
     error::within(Parameter::LowC, low_c, coldest_c, hottest_c)?;
     error::within(Parameter::HighC, high_c, coldest_c, hottest_c)?;
     error::ascending((Parameter::LowC, low_c), (Parameter::HighC, high_c)).map(drop)
@@ -284,23 +316,23 @@ mod tests {
     use crate::checksum::Checksum;
     use std::vec::Vec;
 
-    fn platinum() -> Platinum {
-        Platinum::linear(175.0, 0.0031).unwrap()
+    fn range() -> (f32, f32) {
+        crate::sensor::Platinum::linear(175.0, 0.0031).unwrap().range_c()
     }
 
-    fn at(temperature_c: f32) -> DriveInput {
-        DriveInput { temperature_c, power_low_w: 0.0015, power_high_w: 0.0415 }
+    fn at(measured: f32) -> DriveInput {
+        DriveInput { measured, low: 0.0015, high: 0.0415 }
     }
 
     fn levels(drive: Drive, ticks: usize) -> Vec<bool> {
-        let mut state = drive.start(&platinum()).unwrap();
+        let mut state = drive.start(range()).unwrap();
         (0..ticks).map(|_| drive.step(&mut state, &at(0.0)) == Level::High).collect()
     }
 
     #[test]
     fn set_points_alternate_from_the_highest_on_and_go_on_where_they_are_moved() {
         let drive = Drive::Alternation { low_c: 20.0, high_c: 30.0, half_ticks: 3 };
-        let mut state = drive.start(&platinum()).unwrap();
+        let mut state = drive.start(range()).unwrap();
         let mut step = |drive: &Drive| {
             let level = drive.step(&mut state, &at(25.0));
             (state.target_c, level == Level::High)
@@ -321,7 +353,7 @@ mod tests {
         let longer = Drive::Alternation { low_c: 21.0, high_c: 31.0, half_ticks: 4 };
         assert_eq!(longer.goes_on(&warmer, &state), None);
         assert_eq!(warmer.goes_on(&Drive::Temperature { target_c: 31.0 }, &state), None);
-        let refused = |drive: Drive| drive.start(&platinum()).unwrap_err().parameter;
+        let refused = |drive: Drive| drive.start(range()).unwrap_err().parameter;
         assert_eq!(refused(Drive::Alternation { low_c: 30.0, high_c: 30.0, half_ticks: 3 }), Parameter::HighC);
         assert_eq!(refused(Drive::Alternation { low_c: 20.0, high_c: 1e4, half_ticks: 3 }), Parameter::HighC);
         assert_eq!(refused(Drive::Alternation { low_c: 20.0, high_c: 30.0, half_ticks: 0 }), Parameter::DwellTicks);
@@ -343,7 +375,7 @@ mod tests {
     #[test]
     fn temperature_heats_only_below_its_target() {
         let drive = Drive::Temperature { target_c: -20.0 };
-        let mut state = drive.start(&platinum()).unwrap();
+        let mut state = drive.start(range()).unwrap();
         assert_eq!(drive.step(&mut state, &at(-20.001)), Level::High);
         // on the target counts as warm enough, thesis section 2.3
         assert_eq!(drive.step(&mut state, &at(-20.0)), Level::Low);
@@ -363,7 +395,7 @@ mod tests {
     #[test]
     fn set_points_dwell_and_fill_their_range() {
         let drive = Drive::Setpoints { low_c: 10.0, high_c: 30.0, dwell_ticks: 3, seed: 99 };
-        let mut state = drive.start(&platinum()).unwrap();
+        let mut state = drive.start(range()).unwrap();
         let targets: Vec<f32> = (0..3000)
             .map(|_| {
                 // The draw comes with the step; what it decides is shown by a second look within
@@ -385,7 +417,7 @@ mod tests {
     fn set_points_begin_at_random_whatever_the_seed() {
         let drive = |seed| Drive::Setpoints { low_c: 0.0, high_c: 1.0, dwell_ticks: 1, seed };
         for seed in [0, 1, 2, 0x7fff_fffe] {
-            let mut state = drive(seed).start(&platinum()).unwrap();
+            let mut state = drive(seed).start(range()).unwrap();
             drive(seed).step(&mut state, &at(0.0));
             assert!((0.001..0.999).contains(&state.target_c), "seed {seed}: {}", state.target_c);
         }
@@ -394,7 +426,7 @@ mod tests {
     #[test]
     fn only_a_promise_out_of_reach_saturates() {
         let saturated = |drive: Drive, temperature_c| {
-            let mut state = drive.start(&platinum()).unwrap();
+            let mut state = drive.start(range()).unwrap();
             (0..10).fold((0, 0), |(count, ticks), _| {
                 drive.step(&mut state, &at(temperature_c));
                 (count + u32::from(state.saturated), ticks + 1)
@@ -413,8 +445,7 @@ mod tests {
 
     #[test]
     fn refuses_numbers_that_mean_nothing() {
-        let refused = |drive: Drive| drive.start(&platinum()).unwrap_err().parameter;
-        assert_eq!(refused(Drive::Power { power_w: -1.0 }), Parameter::PowerW);
+        let refused = |drive: Drive| drive.start(range()).unwrap_err().parameter;
         assert_eq!(refused(Drive::Power { power_w: f32::NAN }), Parameter::PowerW);
         assert_eq!(refused(Drive::Temperature { target_c: f32::NAN }), Parameter::TargetC);
         assert_eq!(refused(Drive::Temperature { target_c: 1e4 }), Parameter::TargetC);
@@ -430,7 +461,7 @@ mod tests {
     #[test]
     fn set_points_are_drawn_of_sixteen_bits_after_a_warm_up() {
         let drive = Drive::Setpoints { low_c: 10.0, high_c: 30.0, dwell_ticks: 2, seed: 99 };
-        let mut state = drive.start(&platinum()).unwrap();
+        let mut state = drive.start(range()).unwrap();
         assert_eq!(state.target_c, 10.0, "the lowest before the first is drawn");
         let mut register = Prbs::new(31, 99).unwrap();
         (0..8 * 31).for_each(|_| _ = register.step());
@@ -446,7 +477,7 @@ mod tests {
     #[test]
     fn on_its_drawn_target_it_is_warm_enough() {
         let drive = Drive::Setpoints { low_c: 10.0, high_c: 30.0, dwell_ticks: 10, seed: 7 };
-        let mut state = drive.start(&platinum()).unwrap();
+        let mut state = drive.start(range()).unwrap();
         assert_eq!(drive.step(&mut state, &at(0.0)), Level::High);
         let target_c = state.target_c;
         assert_eq!(drive.step(&mut state, &at(target_c)), Level::Low);
@@ -510,7 +541,7 @@ mod tests {
         let power = Drive::Power { power_w: 0.0115 };
         for drive in [Drive::Passive, Drive::Level(Level::High), power, prbs, setpoints] {
             let (is_prbs, is_setpoints) = (drive == prbs, drive == setpoints);
-            let state = drive.start(&platinum()).unwrap();
+            let state = drive.start(range()).unwrap();
             let changes = [
                 (drive == power, DriveState { modulator: SigmaDelta { accumulator: 0.5 }, ..state }),
                 (is_prbs || is_setpoints, DriveState { register: Some(Prbs::new(9, 6).unwrap()), ..state }),

@@ -4,13 +4,14 @@
 //! |---|---|---|
 //! | `Open` | code at the ADC's upper end, or resistance above its limit | 1 tick |
 //! | `Short` | resistance below its limit | 1 tick |
-//! | `OutOfRange` | code at the ADC's lower end | 1 tick |
+//! | `OutOfRange` | code at the ADC's lower end; of a capacitor at either, or a voltage shift beyond its limit | 1 tick |
 //! | `OverTemperature` | temperature above its limit | 1 tick |
 //! | `NonFinite` | a number inside is not one | 1 tick |
-//! | `Missing`, `Stale` | no reading, or none newer than the last tick's | `missing_limit_ticks`; low level meanwhile |
-//! | `Unreachable` | a regulating drive has requested the high level all the time, or a power lies outside the levels | `unreachable_limit_ticks` |
+//! | `Missing`, `Stale` | no reading, or none newer than the last tick's | `missing_limit_ticks`; low level meanwhile, of a capacitor the same symbol |
+//! | `Unreachable` | a regulating drive has requested the high level (of a capacitor one symbol) all the time, or a power lies outside the levels | `unreachable_limit_ticks` |
 //! | `Unreachable` | an element at the high level, in any drive, has not become warmer | the board's [`no_rise_s`](super::HardwareLimits::no_rise_s) |
 //! | `Stuck` | a driven element's code has not changed at all: the converter repeats itself | `stuck_limit_ticks` |
+//! | `PullIn` | a capacitance above its limit: the membrane lies on the dielectric | 1 tick |
 //! | `Energy` | an element's energy exceeds its budget ([`energy`](super::energy)) | 1 tick |
 //! | `BitFlip` | a checksum fails (`checksum.rs`) | 1 tick; a drive's or a model's, within as many ticks as there are elements |
 //!
@@ -61,6 +62,7 @@ pub enum Cause {
     AdcRegister,
     #[strum(to_string = "energy-budget")]
     Energy,
+    PullIn,
 }
 
 impl Cause {
@@ -173,10 +175,10 @@ impl Default for GuardConfig {
 pub enum ReadingJudgement {
     /// The reading is usable.
     Good {
-        /// Resistance, Ω.
-        resistance_ohm: f32,
-        /// Temperature, °C.
-        temperature_c: f32,
+        /// What it was worked out from: resistance, Ω, or offset of the capacitance, F.
+        raw: f32,
+        /// Temperature, °C, or voltage shift, V.
+        value: f32,
     },
     /// There is none: accepted for a limited time, at the low level.
     Absent(Cause),
@@ -211,7 +213,7 @@ pub fn judge(limits: &Limits, channel: &Channel, reading: Reading, level: Level)
     } else if temperature_c > limits.temperature_max_c {
         ReadingJudgement::Bad(Cause::OverTemperature)
     } else {
-        ReadingJudgement::Good { resistance_ohm, temperature_c }
+        ReadingJudgement::Good { raw: resistance_ohm, value: temperature_c }
     }
 }
 
@@ -238,7 +240,7 @@ mod tests {
     fn a_plausible_reading_passes_at_either_level() {
         for level in [Level::Low, Level::High] {
             match verdict(code(175.0, level), level) {
-                ReadingJudgement::Good { temperature_c, .. } => assert!(temperature_c.abs() < 1e-3),
+                ReadingJudgement::Good { value, .. } => assert!(value.abs() < 1e-3),
                 other => panic!("{other:?}"),
             }
         }
@@ -302,7 +304,7 @@ mod tests {
     #[test]
     fn every_cause_has_a_name_of_its_own() {
         // In the order of their declaration, which is the one on the wire.
-        const ALL: [Cause; 23] = [
+        const ALL: [Cause; 24] = [
             Cause::Open,
             Cause::Short,
             Cause::OutOfRange,
@@ -326,6 +328,7 @@ mod tests {
             Cause::OtherHead,
             Cause::AdcRegister,
             Cause::Energy,
+            Cause::PullIn,
         ];
         let names = ALL.map(Cause::name);
         for (place, name) in names.iter().enumerate() {
@@ -358,7 +361,7 @@ mod tests {
         let channel = Channel::new(platinum, 1.0 / 1_048_576.0, 1.0 / 256.0, 1.0 / 64.0).unwrap();
         let limits = Limits { temperature_max_c: 264.0, ..LIMITS };
         let at = |limits: &Limits, ohm_4096: i32| judge(limits, &channel, Reading::Code(ohm_4096), Level::Low);
-        let good = |ohm: f32| ReadingJudgement::Good { resistance_ohm: ohm, temperature_c: 2.0 * (ohm - 128.0) };
+        let good = |ohm: f32| ReadingJudgement::Good { raw: ohm, value: 2.0 * (ohm - 128.0) };
         assert_eq!(at(&limits, 260 * 4096), good(260.0));
         assert_eq!(at(&limits, 260 * 4096 + 1), ReadingJudgement::Bad(Cause::Open));
         assert_eq!(at(&limits, 50 * 4096), good(50.0));

@@ -52,6 +52,8 @@ pub struct HardwareLimits {
     pub no_rise_s: f32,
     /// What an element may have whose head does not state less.
     pub energy: EnergyLimit,
+    /// Highest bias of a capacitor, either way, V; 0 without such elements.
+    pub bias_max_v: f32,
 }
 
 impl HardwareLimits {
@@ -68,6 +70,7 @@ impl HardwareLimits {
         stuck_limit_ticks: (3, 1000),
         no_rise_s: 90.0 / 4.0,
         energy: EnergyLimit { sustained_power_w: 0.032, energy_j: 12.0 },
+        bias_max_v: 0.0,
     };
 
     /// Simulated electronics, which any head fits, and any converter, with or without noise. The
@@ -83,6 +86,7 @@ impl HardwareLimits {
         stuck_limit_ticks: (0, u32::MAX),
         no_rise_s: 2000.0,
         energy: EnergyLimit { sustained_power_w: 1e3, energy_j: 1e6 },
+        bias_max_v: 200.0,
         ..Self::SENSOR_BOARD
     };
 

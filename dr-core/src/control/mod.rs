@@ -13,6 +13,7 @@ mod rise;
 pub mod self_test;
 pub mod state;
 pub mod targets;
+pub mod transducer;
 
 pub use controller::Controller;
 pub use drive::Drive;
@@ -27,3 +28,4 @@ pub use self_test::finding::{PulseResponse, SelfTestFault, SelfTestFaults, SelfT
 pub use self_test::plan::SelfTestPlan;
 pub use state::{BOARD_ELEMENTS, ElementConfig, Heaters, MOST_ELEMENTS, RunState, Tick};
 pub use targets::Margins;
+pub use transducer::CapacitorConfig;

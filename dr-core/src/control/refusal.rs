@@ -58,6 +58,11 @@ pub enum Refusal {
         /// The first element that does not fit.
         element: u8,
     },
+    /// The place is a capacitor's or its bias's, where a resistor is meant.
+    NoResistor {
+        /// The place.
+        element: u8,
+    },
 }
 
 impl fmt::Display for Refusal {
@@ -85,6 +90,9 @@ impl fmt::Display for Refusal {
                 f,
                 "by the resistance of element {element} the head is not the one whose fingerprint is kept: plug that one in, let it cool if it was heated, or keep the fingerprint of this one"
             ),
+            Self::NoResistor { element } => {
+                write!(f, "place {element} is that of a capacitor or of its bias, and no resistor")
+            }
             Self::Invalid { element: Some(element), error } => write!(f, "element {element}: {error}"),
             Self::Invalid { element: None, error } => write!(f, "{error}"),
             Self::Unreachable { element, target_c, verdict } => match verdict {

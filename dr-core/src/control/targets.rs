@@ -9,6 +9,7 @@ use super::drive::Drive;
 use super::guard::Limits;
 use super::refusal::Refusal;
 use super::state::ElementConfig;
+use super::transducer::Transducer;
 use crate::error::{self, ConfigError, Parameter};
 use crate::model::{Reachability, SelfHeating, sliding_margins_w};
 use crate::sensor::Level;
@@ -25,14 +26,23 @@ pub struct Margins {
     pub below_high_w: f32,
 }
 
-/// A mean power must lie where at least some plausible resistance could give it off.
-pub(super) fn check_power(drive: &Drive, config: &ElementConfig) -> Result<(), ConfigError> {
+/// A mean power must lie where at least some plausible resistance could give it off, a mean symbol
+/// between the two.
+pub(super) fn check_power(drive: &Drive, transducer: &Transducer) -> Result<(), ConfigError> {
     if let Drive::Power { power_w } = *drive {
-        let least = config.channel.power_w(config.limits.resistance_min_ohm, Level::Low);
-        let most = config.channel.power_w(config.limits.resistance_max_ohm, Level::High);
+        let (least_raw, most_raw) =
+            transducer.resistor().map_or((0.0, 0.0), |of| (of.limits.resistance_min_ohm, of.limits.resistance_max_ohm));
+        let (least, most) = (transducer.inputs(least_raw).0, transducer.inputs(most_raw).1);
         error::within(Parameter::PowerW, power_w, least, most)?;
     }
     Ok(())
+}
+
+impl Transducer {
+    /// The greatest set-point that trips none of the limits.
+    fn most_set_point(&self) -> f32 {
+        self.resistor().map_or(self.range().1, |config| config.hottest_set_point().0)
+    }
 }
 
 impl ElementConfig {
@@ -56,17 +66,17 @@ impl ElementConfig {
 pub(super) fn check(
     index: u8,
     drive: &Drive,
-    config: &ElementConfig,
+    transducer: &Transducer,
     model: Option<&SelfHeating>,
 ) -> Result<(), Refusal> {
     let Some((low_c, high_c)) = drive.target_range_c() else { return Ok(()) };
-    let (coldest_c, _) = config.channel.platinum().range_c();
+    let (coldest_c, _) = transducer.range();
     let parameter = if low_c < high_c { Parameter::HighC } else { Parameter::TargetC };
-    error::within(parameter, high_c, coldest_c, config.hottest_set_point().0)
+    error::within(parameter, high_c, coldest_c, transducer.most_set_point())
         .map_err(|error| Refusal::Invalid { element: Some(index), error })?;
     let Some(model) = model else { return Ok(()) };
     for target_c in [low_c, high_c] {
-        let (power_low_w, power_high_w) = levels_w(config, target_c);
+        let (power_low_w, power_high_w) = transducer.inputs_at(target_c);
         let verdict = model.reachability(target_c, power_low_w, power_high_w);
         if !matches!(verdict, Reachability::Reachable { .. }) {
             return Err(Refusal::Unreachable { element: index, target_c, verdict });
@@ -76,10 +86,10 @@ pub(super) fn check(
 }
 
 /// The margins of a drive that holds a temperature; none where a set-point is out of reach.
-pub(super) fn margins(drive: &Drive, config: &ElementConfig, model: &SelfHeating) -> Option<Margins> {
+pub(super) fn margins(drive: &Drive, transducer: &Transducer, model: &SelfHeating) -> Option<Margins> {
     let (low_c, high_c) = drive.target_range_c()?;
     let at = |target_c| {
-        let (power_low_w, power_high_w) = levels_w(config, target_c);
+        let (power_low_w, power_high_w) = transducer.inputs_at(target_c);
         match model.reachability(target_c, power_low_w, power_high_w) {
             Reachability::Reachable { steady_power_w } => {
                 Some(sliding_margins_w(steady_power_w, power_low_w, power_high_w))
@@ -88,10 +98,4 @@ pub(super) fn margins(drive: &Drive, config: &ElementConfig, model: &SelfHeating
         }
     };
     Some(Margins { above_low_w: at(low_c)?.0, below_high_w: at(high_c)?.1 })
-}
-
-/// What the two levels give off in an element that has `temperature_c`, W.
-fn levels_w(config: &ElementConfig, temperature_c: f32) -> (f32, f32) {
-    let resistance_ohm = config.channel.platinum().resistance_ohm(temperature_c);
-    (config.channel.power_w(resistance_ohm, Level::Low), config.channel.power_w(resistance_ohm, Level::High))
 }

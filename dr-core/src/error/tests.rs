@@ -9,7 +9,7 @@ use std::string::{String, ToString};
 use std::vec::Vec;
 
 /// In the order of their declaration, which is the one on the wire.
-const ALL: [Parameter; 77] = [
+const ALL: [Parameter; 85] = [
     Parameter::Resistance0cOhm,
     Parameter::CoefficientPerC,
     Parameter::VoltPerCode,
@@ -87,6 +87,14 @@ const ALL: [Parameter; 77] = [
     Parameter::Buoyancy,
     Parameter::StemMap,
     Parameter::SurfaceCorrection,
+    Parameter::FaradPerCode,
+    Parameter::CurvatureFV2,
+    Parameter::NegativeV,
+    Parameter::PositiveV,
+    Parameter::SecondShare,
+    Parameter::CapacitanceMaxF,
+    Parameter::ShiftMaxV,
+    Parameter::GainPerTick,
 ];
 
 /// The words of a variant, as they would be written in a file: `current_low_a` for `CurrentLowA`.

@@ -233,6 +233,7 @@ fn describe(drive: &Drive, experiment: &Experiment) -> String {
         Drive::Level(Level::High) => "constant current, high level".to_owned(),
         Drive::Power { power_w } => format!("constant power, {power_w} W"),
         Drive::Temperature { target_c } => format!("constant temperature, {target_c} °C"),
+        Drive::SecondOrder { target, .. } => format!("constant temperature, {target} °C, by a loop of second order"),
         Drive::Prbs { order, seed, ticks_per_bit } => {
             format!("pseudo-random bits of {} s, order {order}, seed {seed}", seconds(ticks_per_bit))
         }

@@ -4,7 +4,8 @@
 use super::Controller;
 use crate::control::drive::Drive;
 use crate::control::guard::Limits;
-use crate::control::state::{MOST_ELEMENTS, RunState};
+use crate::control::state::{ElementConfig, MOST_ELEMENTS, RunState};
+use crate::control::transducer::Transducer;
 use crate::model::SelfHeating;
 use crate::sensor::{Channel, Level};
 
@@ -58,8 +59,8 @@ impl<const N: usize> Controller<N> {
     pub fn flip_bit(&mut self, which: usize, element: usize, bit: u32) -> Option<&'static str> {
         let state = self.states.get_mut(element)?;
         let of = self.elements.get_mut(element)?.as_mut()?;
-        let Limits { resistance_min_ohm, resistance_max_ohm, temperature_max_c, code_max, energy: bears } =
-            &mut of.config.limits;
+        let Transducer::Resistor(ElementConfig { channel, limits }) = &mut of.transducer else { return None };
+        let Limits { resistance_min_ohm, resistance_max_ohm, temperature_max_c, code_max, energy: bears } = limits;
         let (name, place) = match which {
             0 => ("sample period", Place::Number(self.sample_period_s.as_mut()?)),
             1 => ("limit of missing readings", Place::Count(&mut self.guard.missing_limit_ticks)),
@@ -71,14 +72,16 @@ impl<const N: usize> Controller<N> {
             7 => ("greatest temperature", Place::Number(temperature_max_c)),
             8 => ("greatest code", Place::Code(code_max)),
             9 => match &mut of.drive {
-                Drive::Temperature { target_c } => ("set-point", Place::Number(target_c)),
+                Drive::Temperature { target_c: target } | Drive::SecondOrder { target, .. } => {
+                    ("set-point", Place::Number(target))
+                }
                 Drive::Power { power_w } => ("wanted power", Place::Number(power_w)),
                 Drive::Prbs { seed, .. } | Drive::Setpoints { seed, .. } => ("seed", Place::Count(seed)),
                 Drive::Alternation { half_ticks, .. } => ("length of a half", Place::Count(half_ticks)),
                 Drive::Passive | Drive::Level(_) => return None,
             },
             10 => ("which drive", Place::Drive(&mut of.drive)),
-            11 => ("wiring", Place::Wiring(&mut of.config.channel)),
+            11 => ("wiring", Place::Wiring(channel)),
             12 => ("run state", Place::RunState(&mut self.state)),
             13 => ("number of the tick", Place::Count(&mut self.tick)),
             14 => ("time armed", Place::Count(&mut self.armed_ticks)),

@@ -41,8 +41,9 @@ impl ElementState {
                     saturated,
                     target_c,
                 },
-            temperature_c,
-            resistance_ohm,
+            measured,
+            raw,
+            last_symbol: _,
             absent_ticks,
             saturated_ticks,
             code: _,
@@ -51,7 +52,7 @@ impl ElementState {
             model,
             observer: _, // above
         } = *self;
-        [temperature_c, resistance_ohm].visit(digest);
+        [measured, raw].visit(digest);
         [absent_ticks, saturated_ticks, ticks_left].visit(digest);
         digest.word(asked as u32 | u32::from(saturated) << 1 | (level as u32) << 2);
         [power_w, accumulator, target_c].visit(digest);

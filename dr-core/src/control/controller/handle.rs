@@ -9,6 +9,7 @@ use crate::control::refusal::Refusal;
 use crate::control::self_test::plan::{self, SelfTestPlan};
 use crate::control::state::{ElementConfig, Heaters, RunState};
 use crate::control::targets;
+use crate::control::transducer::Transducer;
 use crate::error::{self, Parameter};
 use crate::model::SelfHeating;
 
@@ -54,20 +55,19 @@ impl<const N: usize> Controller<N> {
             }
             Command::Element { element, config } => {
                 self.in_standby()?;
-                let index = usize::from(element);
-                let slot = self.elements.get_mut(index).ok_or(Refusal::NoSuchElement { element })?;
-                if index > self.configured {
-                    // The one that would leave a gap.
-                    return Err(Refusal::NotConfigured { element: self.configured as u8 });
-                }
                 let invalid = |error| Refusal::Invalid { element: Some(element), error };
                 let config = ElementConfig {
                     channel: config.channel.checked().map_err(invalid)?,
                     limits: config.limits.checked(config.channel.platinum()).map_err(invalid)?,
                 };
                 self.hardware.check_element(&config).map_err(invalid)?;
-                *slot = Some(ControlledElement { config, model: None, observer: None, drive: Drive::Passive });
-                self.configured = self.configured.max(index + 1);
+                self.place(element, &[Transducer::Resistor(config)])?;
+            }
+            Command::Capacitor { element, config } => {
+                self.in_standby()?;
+                let checked = config.checked(self.hardware);
+                let config = checked.map_err(|error| Refusal::Invalid { element: Some(element), error })?;
+                self.place(element, &[Transducer::Capacitor(config), Transducer::Bias])?;
             }
             Command::Model { element, model } => {
                 self.in_standby()?;
@@ -105,6 +105,31 @@ impl<const N: usize> Controller<N> {
             }
         }
         Ok(Reply::Done)
+    }
+
+    /// Puts an element into its places, in which there may be others, but no parts of others.
+    fn place(&mut self, element: u8, transducers: &[Transducer]) -> Result<(), Refusal> {
+        let first = usize::from(element);
+        let places = first..first + transducers.len();
+        if places.end > N {
+            return Err(Refusal::NoSuchElement { element });
+        }
+        if first > self.configured {
+            // The one that would leave a gap.
+            return Err(Refusal::NotConfigured { element: self.configured as u8 });
+        }
+        let is_bias = |place: usize| {
+            matches!(self.elements.get(place), Some(Some(ControlledElement { transducer: Transducer::Bias, .. })))
+        };
+        if is_bias(first) || is_bias(places.end) {
+            return Err(Refusal::NoResistor { element });
+        }
+        let slots = self.elements.get_mut(places.clone()).ok_or(Refusal::NoSuchElement { element })?;
+        for (slot, &transducer) in slots.iter_mut().zip(transducers) {
+            *slot = Some(ControlledElement { transducer, model: None, observer: None, drive: Drive::Passive });
+        }
+        self.configured = self.configured.max(places.end);
+        Ok(())
     }
 
     /// Clears everything except the counts of bit flips and trips, the energy budgets, the link,
@@ -148,6 +173,10 @@ impl<const N: usize> Controller<N> {
         }
         if self.configured == 0 {
             return Err(Refusal::NotConfigured { element: 0 });
+        }
+        let is_other = |of: &ControlledElement| of.transducer.resistor().is_none();
+        if let Some(other) = self.elements.iter().flatten().position(is_other) {
+            return Err(Refusal::NoResistor { element: other as u8 });
         }
         let pulse_ticks = self.pulse_ticks(plan)?;
         if pulse_ticks > 0 {
@@ -194,7 +223,11 @@ impl<const N: usize> Controller<N> {
 
     fn element_mut(&mut self, element: u8) -> Result<&mut ControlledElement, Refusal> {
         let slot = self.elements.get_mut(usize::from(element)).ok_or(Refusal::NoSuchElement { element })?;
-        slot.as_mut().ok_or(Refusal::NotConfigured { element })
+        match slot {
+            Some(ControlledElement { transducer: Transducer::Bias, .. }) => Err(Refusal::NoResistor { element }),
+            Some(of) => Ok(of),
+            None => Err(Refusal::NotConfigured { element }),
+        }
     }
 
     /// Gives every model its observer, or takes it away. All or none: a model that cannot be
@@ -219,9 +252,9 @@ impl<const N: usize> Controller<N> {
         }
         let slot = self.element_mut(element)?;
         let invalid = |error| Refusal::Invalid { element: Some(element), error };
-        let state = drive.start(slot.config.channel.platinum()).map_err(invalid)?;
-        targets::check_power(&drive, &slot.config).map_err(invalid)?;
-        targets::check(element, &drive, &slot.config, slot.model.as_ref())?;
+        let state = drive.start(slot.transducer.range()).map_err(invalid)?;
+        targets::check_power(&drive, &slot.transducer).map_err(invalid)?;
+        targets::check(element, &drive, &slot.transducer, slot.model.as_ref())?;
         let former = core::mem::replace(&mut slot.drive, drive);
         if let Some(of) = self.states.get_mut(usize::from(element)) {
             of.drive = drive.goes_on(&former, &of.drive).unwrap_or(state);
@@ -241,19 +274,14 @@ impl<const N: usize> Controller<N> {
         let mut states = self.states;
         for (i, (element, state)) in self.elements.iter().zip(&mut states).enumerate() {
             let Some(element) = element else { break };
-            let start = element.drive.start(element.config.channel.platinum());
+            let start = element.drive.start(element.transducer.range());
             let drive = start.map_err(|error| Refusal::Invalid { element: Some(i as u8), error })?;
             if element.drive.target_range_c().is_some() {
                 // The model may have been loaded after the drive.
-                targets::check(i as u8, &element.drive, &element.config, element.model.as_ref())?;
+                targets::check(i as u8, &element.drive, &element.transducer, element.model.as_ref())?;
                 *(if element.model.is_some() { &mut judged } else { &mut unjudged }) += 1;
             }
-            *state = ElementState {
-                drive,
-                temperature_c: state.temperature_c,
-                resistance_ohm: state.resistance_ohm,
-                ..ElementState::default()
-            };
+            *state = ElementState { drive, measured: state.measured, raw: state.raw, ..ElementState::default() };
         }
         self.states = states;
         (self.tick, self.levels) = (0, Heaters(0));

@@ -99,7 +99,7 @@ impl<const N: usize> Controller<N> {
         checksum.word(*configured as u32 | switches << 8);
         // Those that a tick judges by, in flash: so a flipped reference shows.
         (hardware.no_rise_s, hardware.energy).visit(&mut checksum);
-        elements.iter().map_while(Option::as_ref).for_each(|element| element.config.visit(&mut checksum));
+        elements.iter().map_while(Option::as_ref).for_each(|element| element.transducer.visit(&mut checksum));
         checksum
     }
 
@@ -121,7 +121,7 @@ impl<const N: usize> Controller<N> {
 impl ControlledElement {
     fn turn_checksum(element: Option<&Self>) -> Checksum {
         let mut checksum = Checksum::default();
-        if let Some(Self { config: _, model, observer, drive }) = element {
+        if let Some(Self { transducer: _, model, observer, drive }) = element {
             drive.visit(&mut checksum);
             model.visit(&mut checksum);
             observer.visit(&mut checksum);

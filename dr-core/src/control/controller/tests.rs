@@ -4,6 +4,7 @@ use super::*;
 use crate::control::Refusal;
 use crate::control::energy::EnergyLimit;
 use crate::control::guard::Limits;
+use crate::control::state::ElementConfig;
 use crate::error::Parameter;
 use crate::model::SelfHeatingConfig;
 use crate::model::mesh;
@@ -13,6 +14,7 @@ use std::vec::Vec;
 
 mod arming;
 mod bit_flips;
+mod capacitor;
 mod elements;
 mod hardware;
 mod lock_out;
@@ -432,8 +434,8 @@ fn the_digest_sees_every_part_of_the_state() {
     changed.levels = Heaters(0b10);
     assert_ne!(digest(&changed, &tick), plain, "levels");
     let changes: [fn(&mut ElementState); 10] = [
-        |state| state.temperature_c += 1e-3,
-        |state| state.resistance_ohm += 1e-3,
+        |state| state.measured += 1e-3,
+        |state| state.raw += 1e-3,
         |state| state.absent_ticks += 1,
         |state| state.saturated_ticks += 1,
         |state| state.drive.modulator.accumulator += 1e-3,

@@ -14,7 +14,7 @@ fn every_refusal_has_words_of_its_own_and_its_numbers_in_them() {
     let trip = Trip::of(3, Cause::OverTemperature);
     let unreachable = |verdict| Refusal::Unreachable { element: 2, target_c: -31.5, verdict };
     // What has to be in the sentence, beside what else it says.
-    let all: [(Refusal, &[&str]); 15] = [
+    let all: [(Refusal, &[&str]); 16] = [
         (Refusal::NotInStandby, &["standby", "stop"]),
         (Refusal::Tripped(trip), &["over-temperature", "element 3", "acknowledge"]),
         (Refusal::NotTripped, &["no trip"]),
@@ -34,6 +34,7 @@ fn every_refusal_has_words_of_its_own_and_its_numbers_in_them() {
         (Refusal::NoAnemometer, &["anemometer"]),
         (Refusal::NotArmed, &["arm"]),
         (Refusal::OtherHead { element: 7 }, &["element 7", "fingerprint", "cool"]),
+        (Refusal::NoResistor { element: 6 }, &["place 6", "capacitor"]),
         (Refusal::Stopped, &["stop", "again"]),
         (Refusal::LockedOut, &["3 trips in 10 minutes", "supply", "reset pin"]),
     ];

@@ -5,7 +5,9 @@ use super::*;
 use crate::control::controller::bit_flips::FLIPPABLE;
 
 fn limits(controller: &mut Controller<2>) -> &mut Limits {
-    &mut controller.elements[0].as_mut().unwrap().config.limits
+    let of = controller.elements[0].as_mut().unwrap();
+    let Transducer::Resistor(config) = &mut of.transducer else { panic!("it is a resistor") };
+    &mut config.limits
 }
 
 const DRIVES: [Drive; 2] = [Drive::Temperature { target_c: -30.0 }, Drive::Power { power_w: 0.01 }];
