@@ -27,8 +27,9 @@ pub(super) const EMULATED: &str = "Emulated board";
 /// The instrument that a command works with.
 #[derive(clap::Args)]
 pub(super) struct InstrumentArguments {
-    /// The instrument: simulated in this process, an emulated or a sensor board.
-    #[arg(long, value_name = "sim|qemu|serial:DEVICE")]
+    /// The instrument: simulated in this process, an emulated or a sensor board; of a MEMS capacitor
+    /// also an LCR meter at HOST or HOST:PORT.
+    #[arg(long, value_name = "sim|qemu|serial:DEVICE|scpi:HOST")]
     pub(super) on: On,
     #[command(flatten)]
     pub(super) emulation: Emulation,
@@ -73,6 +74,7 @@ impl InstrumentArguments {
                 Box::new(self.emulation.start_silicon(Some(experiment.ok_or_else(missing)?), flash)?)
             }
             On::Serial(device) => Box::new(Serial::open(device).map_err(Failure::work)?),
+            On::Scpi(_) => return Err(no_head()),
         };
         if self.acknowledge {
             setup::acknowledge(instrument.as_mut()).map_err(Failure::work)?;
@@ -94,13 +96,13 @@ pub(super) struct Emulation {
 }
 
 impl Emulation {
-    fn start(&self, flash: Option<&Path>) -> Result<Emulated, Failure> {
+    pub(super) fn start(&self, flash: Option<&Path>) -> Result<Emulated, Failure> {
         let link = self.link.unwrap_or(EmulatorLink::Fifo);
         Emulated::start_with(&self.firmware(FIRMWARE), link, flash).map_err(Failure::work)
     }
 
     /// Refuses a choice of link where there is none.
-    fn has_link(&self, on: &On) -> Result<(), Failure> {
+    pub(super) fn has_link(&self, on: &On) -> Result<(), Failure> {
         match self.link {
             Some(_) if *on != On::Qemu => {
                 Err(Failure::usage("--link: only qemu has a choice of links; leave it out, or name --on qemu"))
@@ -133,13 +135,20 @@ pub(super) enum On {
     /// build of the whole workspace.
     Silicon,
     Serial(String),
+    /// A meter of capacitance and bias, at HOST or HOST:PORT.
+    Scpi(String),
+}
+
+/// A meter cannot heat.
+fn no_head() -> Failure {
+    Failure::usage("--on scpi: a meter reads the `device` of an experiment and no head; name sim, qemu or serial:DEVICE")
 }
 
 impl On {
     /// Whose limits hold there: none in this process. A cable leads to a sensor board.
     pub(super) const fn board(&self) -> Option<BoardKind> {
         match self {
-            Self::Sim => None,
+            Self::Sim | Self::Scpi(_) => None,
             Self::Qemu => Some(BoardKind::Virtual),
             Self::Silicon | Self::Serial(_) => Some(BoardKind::Sensor),
         }
@@ -154,11 +163,13 @@ impl FromStr for On {
             None if text == "sim" => Ok(Self::Sim),
             None if text == "qemu" => Ok(Self::Qemu),
             None if text == "silicon" => Ok(Self::Silicon),
+            Some(("scpi", host)) if !host.is_empty() => Ok(Self::Scpi(host.to_owned())),
+            _ if text.starts_with("scpi") => Err(Failure::usage("a meter is named too, as in scpi:192.168.0.17")),
             Some(("serial", device)) if !device.is_empty() => Ok(Self::Serial(device.to_owned())),
             _ if text.starts_with("serial") => {
                 Err(Failure::usage("a serial port is named too, as in serial:/dev/ttyACM0"))
             }
-            _ => Err(Failure::usage("it is sim, qemu or serial:DEVICE")),
+            _ => Err(Failure::usage("it is sim, qemu, serial:DEVICE or scpi:HOST")),
         }
     }
 }
@@ -179,6 +190,7 @@ impl OpenBoard {
                     "--on sim: a controller in this process keeps nothing; name a board: qemu or serial:DEVICE",
                 ));
             }
+            On::Scpi(_) => return Err(no_head()),
             On::Silicon => Self::Silicon(Box::new(emulation.start_silicon(None, Some(flash))?)),
             On::Qemu => Self::Emulated(Box::new(emulation.start(Some(flash))?)),
             On::Serial(device) => Self::Serial(Box::new(Serial::open(device).map_err(Failure::work)?)),
@@ -216,6 +228,6 @@ mod tests {
             "serial:".parse::<On>().unwrap_err().sentence,
             "a serial port is named too, as in serial:/dev/ttyACM0"
         );
-        assert_eq!("simulation".parse::<On>().unwrap_err().sentence, "it is sim, qemu or serial:DEVICE");
+        assert_eq!("simulation".parse::<On>().unwrap_err().sentence, "it is sim, qemu, serial:DEVICE or scpi:HOST");
     }
 }

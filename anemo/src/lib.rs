@@ -56,6 +56,7 @@ mod recover;
 mod reduce;
 mod replay;
 mod run;
+mod run_device;
 mod self_test;
 mod service;
 mod settings;

@@ -10,6 +10,7 @@ use crate::output::Failure;
 use crate::picture::PictureArguments;
 use crate::progress::on_interrupt;
 use crate::recorded::RecordingOutputs;
+use crate::run_device;
 use host_sim::experiment::Experiment;
 use host_sim::run::{RunError, RunSummary, TripSummary, run};
 use recording::{Metadata, RecordingLayout, SegmentLength, WriterOptions};
@@ -19,7 +20,9 @@ use time::format_description::well_known::Rfc3339;
 /// Run an experiment and record it.
 ///
 /// The emulated board runs the firmware, and gives the same bits as this process; both simulate
-/// sensor and wind, as fast as they can. A sensor board understands the same commands.
+/// sensor and wind, as fast as they can. A sensor board understands the same commands. An
+/// experiment with a `device` in place of a `head` is one on a MEMS capacitor, simulated or read by
+/// an LCR meter with a bias.
 ///
 /// Ended early, by Ctrl-C or a lost link, it keeps what it has recorded. Exit codes: 0
 /// done, 1 failed, 2 wrong usage, 3 tripped, 4 ended early.
@@ -32,26 +35,31 @@ Examples:
   anemo run experiments/gusts.toml --on qemu --firmware firmware.elf --json
   anemo run experiments/steady.toml --on serial:/dev/ttyACM0 -o steady.csv
   anemo run experiments/gusts.toml --on serial:/dev/ttyACM0 \\
-      -o night/ --segment 1h")]
+      -o night/ --segment 1h
+  anemo run experiments/mems/prbs.toml --on sim -o charge.parquet
+  anemo run experiments/mems/hold.toml --on scpi:192.168.0.17 -o hold.csv")]
 pub struct Arguments {
     /// The experiment: a TOML file.
     experiment: PathBuf,
     #[command(flatten)]
-    instrument: InstrumentArguments,
+    pub(super) instrument: InstrumentArguments,
     /// Record every tick to this .parquet or .csv file, or to a folder of segments.
     #[arg(short, long, value_name = "FILE|FOLDER")]
-    output: Option<PathBuf>,
+    pub(super) output: Option<PathBuf>,
     /// Length of a folder's segments: a time, or a size (64MB).
     #[arg(long, value_name = "LENGTH", default_value = "10min")]
-    segment: SegmentLength,
+    pub(super) segment: SegmentLength,
     #[command(flatten)]
-    picture: PictureArguments,
+    pub(super) picture: PictureArguments,
     /// Print one JSON object instead of the summary.
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    if let Some(experiment) = run_device::experiment_of(&arguments.experiment)? {
+        return run_device::execute(arguments, &experiment);
+    }
     let (experiment, _) = crate::output::read_experiment(&arguments.experiment, arguments.instrument.on.board())?;
     crate::output::note_corrections(&experiment.head);
     experiment.differences().iter().for_each(|difference| crate::output::warn(difference));
@@ -125,6 +133,7 @@ pub(super) fn layout(experiment: &Experiment, on: &On) -> RecordingLayout {
         combined_wind: false,
         earth_wind: false,
         cores: Vec::new(),
+        numbers: Vec::new(),
         observed: experiment.observed().into_iter().map(|element| names[element].to_owned()).collect(),
     }
 }
@@ -136,6 +145,7 @@ pub(super) fn instrument_name(on: &On) -> String {
         On::Qemu => "qemu".to_owned(),
         On::Silicon => "silicon".to_owned(),
         On::Serial(device) => format!("serial:{device}"),
+        On::Scpi(host) => format!("scpi:{host}"),
     }
 }
 
@@ -166,7 +176,7 @@ pub(super) fn metadata(experiment: &Experiment, on: &On) -> Metadata {
 }
 
 /// This moment by the computer's clock, which may be off.
-fn start_utc() -> String {
+pub(super) fn start_utc() -> String {
     // The formatter refuses years of five digits only.
     OffsetDateTime::now_utc().format(&Rfc3339).unwrap_or_default()
 }

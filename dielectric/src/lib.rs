@@ -6,7 +6,11 @@
 //! of one bit (V₊ for most of a symbol time and V₋ for the rest, or the reverse) drive the charge
 //! up or down, and one quasi-differential reading a symbol gives V_sh without C₀.
 
+pub mod device;
+pub mod experiment;
 pub mod port;
+pub mod run;
+pub mod simulated;
 pub mod symbol;
 
 /// The examples name this crate as others do.

@@ -21,6 +21,20 @@ pub trait DevicePort {
     /// # Errors
     /// If that cannot be made sure of.
     fn release(&mut self) -> Result<(), PortError>;
+
+    /// What the readings of the last symbol should have shown, where it is simulated.
+    fn truth(&self) -> Option<DeviceTruth> {
+        None
+    }
+}
+
+/// The state of a simulated device at the end of the first part of a symbol.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DeviceTruth {
+    /// V_sh, V.
+    pub shift_v: f64,
+    /// C₀, F.
+    pub offset_f: f64,
 }
 
 /// Why a device takes no symbol.

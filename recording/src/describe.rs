@@ -1,8 +1,9 @@
 //! Unit and meaning of a recording's columns, by their names.
 
 use crate::names::{
-    CONDUCTANCE, EQUIVALENT_POWER, EVENT, GAS_TEMPERATURE, HEATER, POWER, RAW_CONDUCTANCE, STATE, TEMPERATURE, TIME,
-    TRUE_WIND, UNKNOWN_HEAT, UTC, element_of,
+    CONDUCTANCE, EQUIVALENT_POWER, EVENT, GAS_TEMPERATURE, HEATER, OFFSET_CAPACITANCE, POWER, RAW_CONDUCTANCE, STATE,
+    SYMBOL, SYMBOL_CAPACITANCE, TEMPERATURE, TIME, TRUE_OFFSET_CAPACITANCE, TRUE_VOLTAGE_SHIFT, TRUE_WIND,
+    UNKNOWN_HEAT, UTC, VOLTAGE_SHIFT, element_of,
 };
 use crate::wind::{
     DIRECTION_UNCERTAINTY, ESTIMATED_GAS, QUALITY_FLAGS, SPEED_UNCERTAINTY, WIND_ESTIMATE, WIND_FROM, WIND_SPEED,
@@ -20,11 +21,25 @@ const OF_ELEMENTS: [(&str, &str, &str); 7] = [
     (UNKNOWN_HEAT, "W", "heat gained on ways that the identification did not have"),
 ];
 
+/// Quantities of a MEMS capacitor.
+const OF_DEVICES: [(&str, &str, &str); 7] = [
+    (SYMBOL, "1", "symbol held until the next row, -1 or 1; 0 at 0 V"),
+    (VOLTAGE_SHIFT, "V", "voltage shift by the readings of the symbol before time_s"),
+    (OFFSET_CAPACITANCE, "F", "offset of the capacitance by the same readings"),
+    (SYMBOL_CAPACITANCE[0], "F", "capacitance at the end of the first part of the symbol before time_s"),
+    (SYMBOL_CAPACITANCE[1], "F", "capacitance at the end of its second part"),
+    (TRUE_VOLTAGE_SHIFT, "V", "voltage shift of the simulation"),
+    (TRUE_OFFSET_CAPACITANCE, "F", "offset of the capacitance of the simulation"),
+];
+
 /// What a column of a recording holds: its unit, and a few words. None for a column of others.
 pub(crate) fn described(column: &str) -> Option<(&'static str, String)> {
     if let Some(element) = element_of(column) {
         let of = OF_ELEMENTS.iter().find(|(quantity, ..)| column.strip_prefix(quantity) == Some(element));
         return of.map(|(_, unit, what)| (*unit, format!("{element}: {what}")));
+    }
+    if let Some((prefix, unit, what)) = OF_DEVICES.iter().find(|(prefix, ..)| column.starts_with(prefix)) {
+        return Some((unit, format!("{}: {what}", &column[prefix.len()..])));
     }
     for (prefix, what) in [("min_", "least of: "), ("max_", "greatest of: ")] {
         if let Some((unit, of)) = column.strip_prefix(prefix).and_then(described) {

@@ -35,6 +35,19 @@ pub const RAW_CONDUCTANCE: &str = "raw_w_k_";
 /// did in the identification, W.
 pub const UNKNOWN_HEAT: &str = "unknown_heat_w_";
 
+/// Voltage shift of a MEMS capacitor, V.
+pub const VOLTAGE_SHIFT: &str = "voltage_shift_v_";
+/// Symbol that drives it, −1 or +1; 0 at 0 V.
+pub const SYMBOL: &str = "symbol_";
+/// Offset C₀ of its capacitance, F.
+pub const OFFSET_CAPACITANCE: &str = "offset_capacitance_f_";
+/// Its capacitance at the ends of the two parts of a symbol, F.
+pub const SYMBOL_CAPACITANCE: [&str; 2] = ["first_capacitance_f_", "second_capacitance_f_"];
+/// Voltage shift of the simulation, V.
+pub const TRUE_VOLTAGE_SHIFT: &str = "true_voltage_shift_v_";
+/// Offset of the capacitance of the simulation, F.
+pub const TRUE_OFFSET_CAPACITANCE: &str = "true_offset_capacitance_f_";
+
 /// Quantities that stand before an element's name.
 pub(crate) const QUANTITIES: [&str; 7] =
     [TEMPERATURE, POWER, EQUIVALENT_POWER, HEATER, CONDUCTANCE, RAW_CONDUCTANCE, UNKNOWN_HEAT];

@@ -29,6 +29,8 @@ pub struct RecordingLayout {
     pub earth_wind: bool,
     /// Names of the elements without a surface, whose unknown heat ends a row; none if it does not.
     pub cores: Vec<String>,
+    /// Names of further columns of numbers, which end a row.
+    pub numbers: Vec<String>,
 }
 
 /// One tick.
@@ -52,7 +54,8 @@ pub struct RecordingRow<'a> {
     pub true_wind_m_s: Option<[f64; 3]>,
     /// Held until the next row.
     pub gas_temperature_c: Option<f64>,
-    /// The wind estimate, as [`wind::numbers`] has it, with the earth's wind and unknown heats.
+    /// The wind estimate, as [`wind::numbers`] has it, with the earth's wind, unknown heats and
+    /// further numbers.
     pub estimate: &'a [f32],
 }
 
@@ -109,6 +112,7 @@ impl RecordingLayout {
             columns.extend(wind::EARTH.map(str::to_owned));
         }
         columns.extend(self.cores.iter().map(|core| column_name(UNKNOWN_HEAT, core)));
+        columns.extend(self.numbers.iter().cloned());
         columns
     }
 

@@ -4,7 +4,7 @@ use recording::toml_file::{FileError, TomlSource};
 
 /// Time of a tick in s, as near as f64 has it: 29 ticks of 0.01 s are 0.29 s and not
 /// 0.29000000000000004.
-pub(super) fn time_s(tick: u32, sample_period_s: f64) -> f64 {
+pub fn time_s(tick: u32, sample_period_s: f64) -> f64 {
     time_of(f64::from(tick), sample_period_s)
 }
 
@@ -15,14 +15,20 @@ pub(super) fn time_of(ticks: f64, sample_period_s: f64) -> f64 {
 }
 
 /// Times in ticks, up to the end of the experiment.
-pub(super) struct TickGrid<'a> {
+pub struct TickGrid<'a> {
+    /// The file, which errors name.
     pub source: &'a TomlSource,
+    /// Sample period, s.
     pub sample_period_s: f64,
+    /// Length of the experiment.
     pub ticks: u32,
 }
 
 impl<'a> TickGrid<'a> {
-    /// Refuses a duration that is no whole number of sample periods.
+    /// The grid of an experiment.
+    ///
+    /// # Errors
+    /// If `duration_s` is no whole number of sample periods.
     pub fn new(source: &'a TomlSource, sample_period_s: f64, duration_s: f64) -> Result<Self, FileError> {
         let endless = Self { source, sample_period_s, ticks: u32::MAX };
         Ok(Self { ticks: endless.whole_ticks("duration_s", duration_s)?, ..endless })
@@ -38,8 +44,10 @@ impl<'a> TickGrid<'a> {
         self.time_s(self.ticks)
     }
 
-    /// Refuses a moment that is neither the start nor a whole number of ticks later, or at which
-    /// the experiment is over.
+    /// Checks a moment.
+    ///
+    /// # Errors
+    /// If it is neither the start nor a whole number of ticks later, or the experiment is over.
     pub fn check_start(&self, key: &str, start_s: f64) -> Result<(), FileError> {
         // Whether it may be negative or not a number is for those to say who use it.
         if start_s > 0.0 {
@@ -57,6 +65,9 @@ impl<'a> TickGrid<'a> {
     }
 
     /// Number of sample periods in a time that may be 0.
+    ///
+    /// # Errors
+    /// As [`whole_ticks`](Self::whole_ticks).
     pub fn pause_ticks(&self, key: &str, pause_s: f64) -> Result<u32, FileError> {
         if pause_s == 0.0 {
             return Ok(0);
@@ -68,6 +79,9 @@ impl<'a> TickGrid<'a> {
     }
 
     /// Number of sample periods in a time of at least one.
+    ///
+    /// # Errors
+    /// Names the key and the nearest times that would do.
     pub fn whole_ticks(&self, key: &str, time_s: f64) -> Result<u32, FileError> {
         self.source.positive(key, time_s, "s")?;
         let period_s = self.sample_period_s;

@@ -51,6 +51,7 @@ pub mod wind;
 
 pub use checked::Experiment;
 pub use drives::DriveChange;
+pub use grid::{TickGrid, time_s};
 pub use scenario::{ScenarioError, scenario};
 
 #[cfg(test)]

@@ -44,6 +44,7 @@ pub fn figure(recording: &Recording) -> Result<Figure, PlotError> {
     }
     charts.extend(estimates.iter().flat_map(|estimates| estimates.charts(alone.is_some())));
     charts.extend([run.temperatures(), run.deviations(), run.powers()].into_iter().flatten());
+    charts.extend(run.charge());
     let bits = run.heater_bits();
     charts.extend(bits.iter().map(|[whole, _]| whole.clone()));
     let Some(last) = charts.len().checked_sub(1) else { return Err(PlotError::Nothing(recording.path.clone())) };

@@ -1,6 +1,7 @@
 //! Recordings as figures.
 
 mod azimuth;
+mod charge;
 mod columns;
 mod counted;
 mod error_charts;

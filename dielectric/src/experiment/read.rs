@@ -1,0 +1,178 @@
+//! Reading an experiment: every number is checked, and refused with its line.
+
+use std::path::Path;
+
+use dr_core::control::Drive;
+use dr_core::sensor::Level;
+use dr_core::signal::Prbs;
+use host_sim::experiment::TickGrid;
+use recording::toml_file::{FileError, TomlSource};
+
+use super::table::{DeviceExperimentTable, HoldTable, PrbsTable, SurroundingsTable, SymbolDriveTable};
+use super::{DeviceExperiment, DevicePhase};
+use crate::device::Device;
+use crate::simulated::SurroundingsPoint;
+use crate::symbol::SymbolShape;
+
+/// Symbols between 100 Hz and 0.1 Hz, the longest tick of a controller.
+const SYMBOL_TIMES_S: std::ops::RangeInclusive<f64> = 0.01..=10.0;
+/// Of the integrator of a loop of second order, if none is given.
+const GAIN: f64 = 0.1;
+
+impl DeviceExperiment {
+    /// Reads an experiment and its device.
+    ///
+    /// # Errors
+    /// File, line and what is wrong.
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        Self::from_source(TomlSource::read(path)?)
+    }
+
+    /// Checks an experiment; its device's path counts from the folder of its file.
+    ///
+    /// # Errors
+    /// File, line and what is wrong.
+    pub fn from_source(source: TomlSource) -> Result<Self, FileError> {
+        let table: DeviceExperimentTable = source.parse()?;
+        let folder = source.path.parent().unwrap_or(Path::new(""));
+        let device = Device::read(&folder.join(&table.device)).map_err(|error| match error.line {
+            None => source.refuse("device", format!("cannot be used: {error}")),
+            Some(_) => error,
+        })?;
+        let symbol_time_s = source.within("symbol_time_s", table.symbol_time_s, SYMBOL_TIMES_S, "s")?;
+        let grid = TickGrid::new(&source, symbol_time_s, table.duration_s)?;
+        let shape = shape(&source, &device, &table, symbol_time_s)?;
+        let unreachable = table.unreachable_after_s.map(|time_s| grid.whole_ticks("unreachable_after_s", time_s));
+        let reader = DriveReader { grid: &grid, device: &device };
+        let mut phases = vec![DevicePhase { tick: 0, label: String::new(), drive: reader.drive("drive", &table.drive)? }];
+        for (index, change) in table.changes.iter().enumerate() {
+            let key = |key: &str| format!("changes[{index}].{key}");
+            let tick = grid.whole_ticks(&key("start_s"), change.start_s)?;
+            grid.check_start(&key("start_s"), change.start_s)?;
+            if phases.last().is_some_and(|before| before.tick >= tick) {
+                let sentence = format!("is {} s: changes must come in the order of their start", change.start_s);
+                return Err(source.refuse(&key("start_s"), sentence));
+            }
+            let label = change.label.clone().unwrap_or_default();
+            phases.push(DevicePhase { tick, label, drive: reader.drive(&key("drive"), &change.drive)? });
+        }
+        let ticks = grid.ticks;
+        Ok(Self {
+            title: table.title,
+            shape,
+            ticks,
+            seed: table.seed,
+            unreachable_ticks: unreachable.transpose()?.unwrap_or(u32::MAX - 1),
+            phases,
+            surroundings: surroundings(&source, &table.surroundings)?,
+            device,
+            source,
+        })
+    }
+}
+
+/// Voltages that the device bears, and that differ.
+fn shape(
+    source: &TomlSource,
+    device: &Device,
+    table: &DeviceExperimentTable,
+    symbol_time_s: f64,
+) -> Result<SymbolShape, FileError> {
+    let symbols = &table.symbols;
+    for (key, bias_v) in [("symbols.positive_v", symbols.positive_v), ("symbols.negative_v", symbols.negative_v)] {
+        let most_v = device.bias_max_v;
+        if !(-most_v..=most_v).contains(&bias_v) {
+            let sentence = format!(
+                "is {bias_v} V: device `{}` bears at most {most_v} V either way (`bias_max_v` of its file)",
+                device.name
+            );
+            return Err(source.refuse(key, sentence));
+        }
+        if bias_v.abs() + device.shift_max_v >= device.pull_in_v {
+            let sentence = format!(
+                "is {bias_v} V: with a voltage shift of up to {} V (`shift_max_v`) that reaches pull-in, {} V; {:.3} V would not",
+                device.shift_max_v,
+                device.pull_in_v,
+                device.pull_in_v - device.shift_max_v
+            );
+            return Err(source.refuse(key, sentence));
+        }
+    }
+    if symbols.negative_v >= symbols.positive_v {
+        let sentence = format!("is {} V: it must lie below `positive_v`, {} V", symbols.negative_v, symbols.positive_v);
+        return Err(source.refuse("symbols.negative_v", sentence));
+    }
+    let second_share = source.within("symbols.second_share", symbols.second_share, 0.001..=0.999, "")?;
+    Ok(SymbolShape { positive_v: symbols.positive_v, negative_v: symbols.negative_v, second_share, symbol_time_s })
+}
+
+fn surroundings(source: &TomlSource, tables: &[SurroundingsTable]) -> Result<Vec<SurroundingsPoint>, FileError> {
+    let mut points: Vec<SurroundingsPoint> = Vec::with_capacity(tables.len());
+    for (index, table) in tables.iter().enumerate() {
+        let key = |key: &str| format!("surroundings[{index}].{key}");
+        source.within(&key("start_s"), table.start_s, 0.0..=f64::MAX, "s")?;
+        source.within(&key("temperature_c"), table.temperature_c, -273.15..=1000.0, "°C")?;
+        source.within(&key("humidity_percent"), table.humidity_percent, 0.0..=100.0, "%")?;
+        if points.last().is_some_and(|before| before.start_s >= table.start_s) {
+            let sentence = format!("is {} s: points must come in the order of their start", table.start_s);
+            return Err(source.refuse(&key("start_s"), sentence));
+        }
+        let SurroundingsTable { start_s, temperature_c, humidity_percent } = *table;
+        points.push(SurroundingsPoint { start_s, temperature_c, humidity_percent });
+    }
+    Ok(points)
+}
+
+/// What drives are checked against.
+struct DriveReader<'a> {
+    grid: &'a TickGrid<'a>,
+    device: &'a Device,
+}
+
+impl DriveReader<'_> {
+    fn drive(&self, key: &str, table: &SymbolDriveTable) -> Result<Drive, FileError> {
+        let source = self.grid.source;
+        Ok(match table {
+            SymbolDriveTable::Zero => Drive::Passive,
+            SymbolDriveTable::Symbol(1) => Drive::Level(Level::High),
+            SymbolDriveTable::Symbol(-1) => Drive::Level(Level::Low),
+            SymbolDriveTable::Symbol(other) => {
+                return Err(source.refuse(&format!("{key}.symbol"), format!("is {other}: it is 1 or -1")));
+            }
+            SymbolDriveTable::MeanSymbol(mean) => {
+                let power_w = source.within(&format!("{key}.mean_symbol"), *mean, -1.0..=1.0, "")? as f32;
+                Drive::Power { power_w }
+            }
+            SymbolDriveTable::Prbs(prbs) => self.prbs(&format!("{key}.prbs"), prbs)?,
+            SymbolDriveTable::Hold(hold) => self.hold(&format!("{key}.hold"), hold)?,
+        })
+    }
+
+    fn prbs(&self, key: &str, &PrbsTable { order, bit_time_s, seed }: &PrbsTable) -> Result<Drive, FileError> {
+        let source = self.grid.source;
+        let ticks_per_bit = self.grid.whole_ticks(&format!("{key}.bit_time_s"), bit_time_s)?;
+        source.within(&format!("{key}.order"), f64::from(order), 2.0..=32.0, "")?;
+        Prbs::new(order, seed).map_err(|error| {
+            let sentence = format!("is {seed}: {error}");
+            source.refuse(&format!("{key}.seed"), sentence.replace("`seed` ", "it "))
+        })?;
+        Ok(Drive::Prbs { order, seed, ticks_per_bit })
+    }
+
+    fn hold(&self, key: &str, &HoldTable { shift_v, order, gain }: &HoldTable) -> Result<Drive, FileError> {
+        let source = self.grid.source;
+        let most_v = self.device.shift_max_v;
+        let target = source.within(&format!("{key}.shift_v"), shift_v, -most_v..=most_v, "V")? as f32;
+        match order {
+            1 if gain.is_some() => {
+                Err(source.refuse(&format!("{key}.gain"), "is of a loop of second order: leave it out, or give `order = 2`"))
+            }
+            1 => Ok(Drive::Temperature { target_c: target }),
+            2 => {
+                let gain = source.within(&format!("{key}.gain"), gain.unwrap_or(GAIN), 1e-6..=1.0, "a tick")?;
+                Ok(Drive::SecondOrder { target, gain_per_tick: gain as f32 })
+            }
+            other => Err(source.refuse(&format!("{key}.order"), format!("is {other}: loops are of order 1 or 2"))),
+        }
+    }
+}

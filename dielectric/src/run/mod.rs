@@ -1,0 +1,159 @@
+//! Running an experiment on a device: the controller decides symbol by symbol, the port applies
+//! them, and every symbol becomes a row.
+//!
+//! ```text
+//! tick n:  readings of [t_{n−1}, t_n) ──► controller ──► row n, symbol held over [t_n, t_{n+1})
+//!                                                          └──► port applies it, and reads twice
+//! ```
+//!
+//! However a run ends, the port has been asked for 0 V before anything else is reported.
+
+mod row;
+mod summary;
+
+use dr_core::control::{Refusal, RunState, Trip};
+use dr_core::sensor::Reading;
+use dr_core::Command;
+use host_sim::instrument::{InstrumentError, LockStepController};
+use recording::toml_file::FileError;
+use recording::{RecordingError, RecordingRow};
+
+pub use row::{layout, metadata};
+pub use summary::{DeviceEnd, DeviceRunSummary};
+
+use crate::device::Device;
+use crate::experiment::DeviceExperiment;
+use crate::port::{DevicePort, PortError, SymbolReadings};
+use crate::symbol::Symbol;
+use row::DeviceRow;
+use summary::DeviceStatistics;
+
+/// Why a run has no result, or ended early.
+#[derive(Debug, thiserror::Error)]
+pub enum DeviceRunError {
+    /// The file's mistake.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// The controller cannot go on.
+    #[error(transparent)]
+    Controller(#[from] InstrumentError),
+    /// The device cannot be reached.
+    #[error(transparent)]
+    Port(#[from] PortError),
+    /// The recording cannot be written.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// Somebody wanted the end.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+/// Runs an experiment from start to end and hands every row to `sink`; rows begin with the first
+/// reading.
+///
+/// What ends it early after its first row is no error: [`DeviceRunSummary::ended`] has it, and the
+/// rows are kept.
+///
+/// # Errors
+/// If it does not come to its first row, or the sink cannot take one. The device is at 0 V then, or
+/// the sentence ends with that it may not be.
+pub fn run(
+    experiment: &DeviceExperiment,
+    mut controller: Box<dyn LockStepController>,
+    port: &mut dyn DevicePort,
+    sink: &mut dyn FnMut(&RecordingRow) -> Result<(), DeviceRunError>,
+) -> Result<DeviceRunSummary, DeviceRunError> {
+    let mut statistics = DeviceStatistics::new(experiment, &controller.identity().firmware);
+    let outcome = start(experiment, controller.as_mut())
+        .and_then(|()| conduct(experiment, controller.as_mut(), port, &mut statistics, sink));
+    let released = port.release();
+    let hash = controller.digest();
+    let finished = controller.finish();
+    let ended = match outcome {
+        Ok(()) => None,
+        Err(error @ (DeviceRunError::Recording(_) | DeviceRunError::File(_))) => return Err(error),
+        Err(error) if statistics.rows() == 0 => return Err(error),
+        Err(DeviceRunError::Port(error)) => Some(DeviceEnd { why: error.sentence, released: error.is_released }),
+        Err(error) => Some(DeviceEnd { why: error.to_string(), released: true }),
+    };
+    let ended = match (ended, released, finished) {
+        // What comes later decides whether it is at 0 V.
+        (Some(end), Ok(()), _) => Some(DeviceEnd { released: true, ..end }),
+        (Some(end), Err(error), _) => Some(DeviceEnd { released: error.is_released, ..end }),
+        (None, Err(error), _) => Some(DeviceEnd { why: error.sentence, released: error.is_released }),
+        (None, Ok(()), Err(error)) => Some(DeviceEnd { why: error.to_string(), released: true }),
+        (None, Ok(()), Ok(_)) => None,
+    };
+    Ok(statistics.summary(experiment, hash, ended))
+}
+
+/// Brings the controller from whatever it does to running this experiment.
+fn start(experiment: &DeviceExperiment, controller: &mut dyn LockStepController) -> Result<(), DeviceRunError> {
+    let setup = experiment.setup()?;
+    for command in [Command::Stop, Command::Clear].into_iter().chain(setup) {
+        controller.command(command).map_err(|error| refused(experiment, "device", error))?;
+    }
+    for command in [Command::Arm { window_s: 30.0 }, Command::Start] {
+        controller.command(command)?;
+    }
+    Ok(())
+}
+
+/// A refusal with the key of the file where the user can do something about it.
+fn refused(experiment: &DeviceExperiment, key: &str, error: InstrumentError) -> DeviceRunError {
+    match error {
+        InstrumentError::Refused(refusal @ (Refusal::Invalid { .. } | Refusal::Unreachable { .. })) => {
+            experiment.source.refuse(key, format!("is refused by the controller: {refusal}")).into()
+        }
+        other => other.into(),
+    }
+}
+
+fn conduct(
+    experiment: &DeviceExperiment,
+    controller: &mut dyn LockStepController,
+    port: &mut dyn DevicePort,
+    statistics: &mut DeviceStatistics,
+    sink: &mut dyn FnMut(&RecordingRow) -> Result<(), DeviceRunError>,
+) -> Result<(), DeviceRunError> {
+    let mut phases = experiment.phases.iter().skip(1).peekable();
+    // Nothing has been applied yet.
+    let mut readings: SymbolReadings = [None; 2];
+    for tick in 0..experiment.ticks {
+        if let Some(phase) = phases.next_if(|phase| phase.tick <= tick) {
+            controller.command(Command::Arm { window_s: 30.0 })?;
+            let set = controller.command(Command::Drive { element: 0, drive: phase.drive });
+            set.map_err(|error| refused(experiment, "changes", error))?;
+        }
+        let codes = readings.map(|reading| as_code(&experiment.device, reading));
+        let sample = controller.exchange(&codes)?.sample;
+        // Bit 1 is that of the bias.
+        let symbol = sample.heaters.is_high(1).then(|| {
+            if sample.heaters.is_high(0) { Symbol::Bit1 } else { Symbol::Bit0 }
+        });
+        if tick > 0 {
+            let row = DeviceRow::new(&sample, readings, symbol, port.truth());
+            statistics.add(&row, experiment.time_s(tick));
+            row.push(experiment, tick, sink)?;
+        }
+        if let RunState::Tripped(trip) = sample.state {
+            statistics.trip(experiment.time_s(tick), trip);
+            return Ok(());
+        }
+        readings = port.apply(symbol, &experiment.shape)?;
+    }
+    Ok(())
+}
+
+/// A reading as the controller takes it: a code, or that there is none.
+fn as_code(device: &Device, reading: Option<f64>) -> Reading {
+    reading.map_or(Reading::Missing, |capacitance_f| Reading::Code(device.code(capacitance_f)))
+}
+
+/// A trip in words.
+fn trip_words(trip: Trip) -> String {
+    format!("tripped:{}", trip.cause.name())
+}
+
+#[cfg(test)]
+mod tests;

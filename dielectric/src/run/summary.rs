@@ -1,0 +1,237 @@
+//! What a run on a device amounted to, for people and as JSON.
+
+use std::fmt;
+
+use dr_core::control::Trip;
+use serde::Serialize;
+
+use super::row::DeviceRow;
+use crate::experiment::DeviceExperiment;
+
+/// Why a run ended before its time, its rows kept.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct DeviceEnd {
+    /// A sentence.
+    pub why: String,
+    /// Whether the device is known to be at 0 V.
+    pub released: bool,
+}
+
+impl fmt::Display for DeviceEnd {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.why)?;
+        if !self.released {
+            f.write_str("; that the bias is 0 V is not certain: take it off by hand")?;
+        }
+        Ok(())
+    }
+}
+
+/// What a run amounted to.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DeviceRunSummary {
+    /// Of the experiment.
+    pub title: String,
+    /// Name of the device.
+    pub device: String,
+    /// Who decided: name and version of the firmware, or of this program.
+    pub firmware: String,
+    /// Rows of the recording.
+    pub ticks: u32,
+    /// Time of the last row, s.
+    pub duration_s: f64,
+    /// Symbols without a voltage shift: 0 V, or a reading that did not come.
+    pub without_reading: u32,
+    /// The trip, if there was one.
+    pub trips: Vec<DeviceTrip>,
+    /// Whether it came to its end.
+    pub complete: bool,
+    /// What ended it before its time; left out if nothing did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ended: Option<DeviceEnd>,
+    /// Of all states, readings and bits.
+    pub hash: String,
+    /// Standard uncertainty of one voltage shift by the meter's noise, V.
+    pub shift_noise_v: f64,
+    /// Root mean square of measured less true voltage shift, V, where it is simulated.
+    pub shift_rms_error_v: Option<f64>,
+    /// By phase of the experiment.
+    pub phases: Vec<PhaseSummary>,
+}
+
+/// A trip.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct DeviceTrip {
+    /// When, in s after the start.
+    pub time_s: String,
+    /// What tripped it.
+    pub cause: &'static str,
+}
+
+/// One phase, its second half: what it has settled to.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PhaseSummary {
+    /// Its start, s.
+    pub start_s: f64,
+    /// What it is called.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub label: String,
+    /// Set-point, V, if it holds one.
+    pub target_v: Option<f64>,
+    /// Mean voltage shift over the second half, V.
+    pub mean_voltage_shift_v: Option<f64>,
+    /// Its standard deviation there, V.
+    pub sd_voltage_shift_v: Option<f64>,
+    /// Mean symbol over the second half.
+    pub mean_symbol: Option<f64>,
+    /// When its set-point was first reached, s after its start.
+    pub reached_s: Option<f64>,
+}
+
+/// What is added up.
+pub(super) struct DeviceStatistics {
+    firmware: String,
+    rows: u32,
+    last_s: f64,
+    without_reading: u32,
+    trips: Vec<DeviceTrip>,
+    squares: (f64, u32),
+    /// Symbols and shifts of the running phase, and what those before amounted to.
+    phase: PhaseRows,
+    phases: Vec<PhaseSummary>,
+    starts: Vec<(f64, String, Option<f64>)>,
+}
+
+#[derive(Default)]
+struct PhaseRows {
+    symbols: Vec<f32>,
+    shifts_v: Vec<f32>,
+    reached_s: Option<f64>,
+    first_error_v: Option<f64>,
+}
+
+impl DeviceStatistics {
+    pub fn new(experiment: &DeviceExperiment, firmware: &str) -> Self {
+        let of = |phase: &crate::experiment::DevicePhase| {
+            let target_v = phase.drive.target_range_c().map(|(target, _)| f64::from(target));
+            (experiment.time_s(phase.tick), phase.label.clone(), target_v)
+        };
+        Self {
+            firmware: firmware.to_owned(),
+            rows: 0,
+            last_s: 0.0,
+            without_reading: 0,
+            trips: Vec::new(),
+            squares: (0.0, 0),
+            phase: PhaseRows::default(),
+            phases: Vec::new(),
+            starts: experiment.phases.iter().map(of).collect(),
+        }
+    }
+
+    pub const fn rows(&self) -> u32 {
+        self.rows
+    }
+
+    pub fn trip(&mut self, time_s: f64, trip: Trip) {
+        self.trips.push(DeviceTrip { time_s: time_s.to_string(), cause: trip.cause.name() });
+    }
+
+    pub fn add(&mut self, row: &DeviceRow, time_s: f64) {
+        if self.starts.get(self.phases.len() + 1).is_some_and(|(start_s, ..)| time_s > *start_s) {
+            self.close_phase();
+        }
+        self.rows += 1;
+        self.last_s = time_s;
+        if row.shift_v.is_nan() {
+            self.without_reading += 1;
+        } else if let Some(truth) = row.truth {
+            self.squares.0 += (f64::from(row.shift_v) - truth.shift_v).powi(2);
+            self.squares.1 += 1;
+        }
+        let (start_s, _, target_v) = &self.starts[self.phases.len()];
+        if let (Some(target_v), None, false) = (target_v, self.phase.reached_s, row.shift_v.is_nan()) {
+            let error_v = f64::from(row.shift_v) - target_v;
+            let first_v = *self.phase.first_error_v.get_or_insert(error_v);
+            self.phase.reached_s = (error_v * first_v <= 0.0).then_some(time_s - start_s);
+        }
+        self.phase.symbols.push(row.symbol);
+        self.phase.shifts_v.push(row.shift_v);
+    }
+
+    fn close_phase(&mut self) {
+        let rows = std::mem::take(&mut self.phase);
+        let (start_s, label, target_v) = self.starts[self.phases.len()].clone();
+        let half = rows.shifts_v.len() / 2;
+        let shifts_v: Vec<f64> = rows.shifts_v[half..].iter().filter(|of| !of.is_nan()).map(|&of| of.into()).collect();
+        let symbols: Vec<f64> = rows.symbols[half..].iter().map(|&of| of.into()).collect();
+        let mean_v = mean(&shifts_v);
+        let deviation = |mean_v: f64| mean(&shifts_v.iter().map(|of| (of - mean_v).powi(2)).collect::<Vec<_>>());
+        self.phases.push(PhaseSummary {
+            start_s,
+            label,
+            target_v,
+            mean_voltage_shift_v: mean_v,
+            sd_voltage_shift_v: mean_v.and_then(deviation).map(f64::sqrt),
+            mean_symbol: mean(&symbols),
+            reached_s: rows.reached_s,
+        });
+    }
+
+    pub fn summary(mut self, experiment: &DeviceExperiment, hash: u64, ended: Option<DeviceEnd>) -> DeviceRunSummary {
+        self.close_phase();
+        let (sum, count) = self.squares;
+        DeviceRunSummary {
+            title: experiment.title.clone(),
+            device: experiment.device.name.clone(),
+            firmware: self.firmware,
+            ticks: self.rows,
+            duration_s: self.last_s,
+            without_reading: self.without_reading,
+            complete: ended.is_none() && self.trips.is_empty(),
+            trips: self.trips,
+            ended,
+            hash: format!("{hash:016x}"),
+            shift_noise_v: experiment.device.shift_noise_v(&experiment.shape),
+            shift_rms_error_v: (count > 0).then(|| (sum / f64::from(count)).sqrt()),
+            phases: self.phases,
+        }
+    }
+}
+
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+impl fmt::Display for DeviceRunSummary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        use recording::text::four_digits as brief;
+        writeln!(f, "{} · device {} · {}", self.title, self.device, self.firmware)?;
+        writeln!(f, "{} symbols, {} s; {} without a reading", self.ticks, self.duration_s, self.without_reading)?;
+        writeln!(f, "hash of all states, readings and bits: {}", self.hash)?;
+        write!(f, "voltage shift: ± {} V by the noise of the meter (standard uncertainty)", brief(self.shift_noise_v))?;
+        match self.shift_rms_error_v {
+            Some(error_v) => writeln!(f, "; {} V rms off the simulated one", brief(error_v))?,
+            None => writeln!(f)?,
+        }
+        let words = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), brief);
+        let mut lines = vec![
+            ["from, s", "", "set-point, V", "reached after, s", "mean shift, V", "± (sd), V", "mean symbol"]
+                .map(str::to_owned)
+                .to_vec(),
+        ];
+        lines.extend(self.phases.iter().map(|phase| {
+            vec![
+                phase.start_s.to_string(),
+                phase.label.clone(),
+                words(phase.target_v),
+                words(phase.reached_s),
+                words(phase.mean_voltage_shift_v),
+                words(phase.sd_voltage_shift_v),
+                words(phase.mean_symbol),
+            ]
+        }));
+        writeln!(f, "\nsecond half of each phase:")?;
+        write!(f, "{}", recording::text::columns(&lines, &[0, 2, 3, 4, 5, 6]))
+    }
+}

@@ -1,0 +1,128 @@
+//! The simulated device: banks of charge under two voltages in turn, a C₀ that follows its
+//! surroundings, and a meter with noise.
+
+mod surroundings;
+
+use dr_core::model::mesh;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+
+pub use surroundings::{SurroundingsPoint, surroundings_at};
+
+use crate::device::{Device, Simulation};
+use crate::port::{DevicePort, DeviceTruth, PortError, SymbolReadings};
+use crate::symbol::{Symbol, SymbolShape};
+
+/// A device that is computed. All times are its own: it waits for nobody.
+pub struct SimulatedDevice {
+    device: Device,
+    simulation: Simulation,
+    surroundings: Vec<SurroundingsPoint>,
+    noise: ChaCha8Rng,
+    now_s: f64,
+    /// x_k of every bank, V.
+    banks: Vec<Vec<f64>>,
+    /// Shares of the way that relaxations go in a part, by its length.
+    gains: Vec<(f64, Vec<Vec<f64>>)>,
+    truth: DeviceTruth,
+}
+
+impl SimulatedDevice {
+    /// A device without charge. None if its file has no simulation.
+    pub fn new(device: &Device, surroundings: &[SurroundingsPoint], seed: u64) -> Option<Self> {
+        let simulation = device.simulation.clone()?;
+        let banks = simulation.carriers.iter().map(|carriers| vec![0.0; carriers.rates_rad_s.len()]).collect();
+        let truth = DeviceTruth { shift_v: 0.0, offset_f: device.offset_f };
+        Some(Self {
+            device: device.clone(),
+            simulation,
+            surroundings: surroundings.to_vec(),
+            noise: ChaCha8Rng::seed_from_u64(seed),
+            now_s: 0.0,
+            banks,
+            gains: Vec::new(),
+            truth,
+        })
+    }
+
+    /// V_sh, V.
+    pub fn shift_v(&self) -> f64 {
+        let of = |(bank, carriers): (&Vec<f64>, &crate::device::Carriers)| -> f64 {
+            bank.iter().zip(&carriers.weights).map(|(x, weight)| x * weight).sum()
+        };
+        self.banks.iter().zip(&self.simulation.carriers).map(of).sum()
+    }
+
+    /// C₀ now, F.
+    fn offset_f(&self) -> f64 {
+        let (temperature_c, humidity_percent) = self.surroundings_now();
+        let [per_k, per_percent, per_hour] = self.simulation.offset_per;
+        let share = per_k * (temperature_c - self.simulation.temperature_c)
+            + per_percent * (humidity_percent - self.simulation.humidity_percent)
+            + per_hour * self.now_s / 3600.0;
+        self.device.offset_f * (1.0 + share)
+    }
+
+    fn surroundings_now(&self) -> (f64, f64) {
+        let own = (self.simulation.temperature_c, self.simulation.humidity_percent);
+        surroundings_at(&self.surroundings, self.now_s).unwrap_or(own)
+    }
+
+    /// Holds a bias for a time.
+    pub fn hold(&mut self, bias_v: f64, time_s: f64) {
+        let charging = 1.0 + self.simulation.charging_per_k * (self.surroundings_now().0 - self.simulation.temperature_c);
+        let at = self.gains.iter().position(|(known_s, _)| *known_s == time_s).unwrap_or_else(|| {
+            let of = |carriers: &crate::device::Carriers| {
+                carriers.rates_rad_s.iter().map(|rate| mesh::gain(*rate, time_s)).collect()
+            };
+            self.gains.push((time_s, self.simulation.carriers.iter().map(of).collect()));
+            self.gains.len() - 1
+        });
+        for ((bank, carriers), gains) in self.banks.iter_mut().zip(&self.simulation.carriers).zip(&self.gains[at].1) {
+            let steady_v = charging * carriers.steady_v(bias_v);
+            for (x, gain) in bank.iter_mut().zip(gains) {
+                *x += gain * (steady_v - *x);
+            }
+        }
+        self.now_s += time_s;
+    }
+
+    /// A reading under a bias: none above the meter's range, as when the membrane has fallen.
+    pub fn read(&mut self, bias_v: f64) -> Option<f64> {
+        let over_v = bias_v - self.shift_v();
+        let noise: f64 = StandardNormal.sample(&mut self.noise);
+        if over_v.abs() >= self.device.pull_in_v {
+            // It lies on the dielectric: more than any capacitance of one that hangs free.
+            return Some(0.5 * (self.device.capacitance_max_f + self.device.meter.full_scale_f));
+        }
+        let capacitance_f = self.device.curvature_f_v2 * over_v * over_v + self.offset_f();
+        Some(capacitance_f + self.device.meter.noise_f * noise).filter(|of| *of < self.device.meter.full_scale_f)
+    }
+}
+
+impl DevicePort for SimulatedDevice {
+    fn apply(&mut self, symbol: Option<Symbol>, shape: &SymbolShape) -> Result<SymbolReadings, PortError> {
+        let parts = symbol.map_or([(0.0, 0.0), (0.0, shape.symbol_time_s)], |symbol| shape.parts(symbol));
+        let mut readings = [None; 2];
+        for (place, ((bias_v, time_s), reading)) in parts.into_iter().zip(&mut readings).enumerate() {
+            self.hold(bias_v, time_s);
+            *reading = self.read(bias_v);
+            if place == 0 {
+                self.truth = DeviceTruth { shift_v: self.shift_v(), offset_f: self.offset_f() };
+            }
+        }
+        Ok(readings)
+    }
+
+    fn release(&mut self) -> Result<(), PortError> {
+        Ok(())
+    }
+
+    fn truth(&self) -> Option<DeviceTruth> {
+        Some(self.truth)
+    }
+}
+
+#[cfg(test)]
+mod tests;
