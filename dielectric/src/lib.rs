@@ -6,6 +6,7 @@
 //! of one bit (V₊ for most of a symbol time and V₋ for the rest, or the reverse) drive the charge
 //! up or down, and one quasi-differential reading a symbol gives V_sh without C₀.
 
+pub mod meter;
 pub mod port;
 pub mod symbol;
 
