@@ -19,9 +19,10 @@
 //! | `:TRIG:IMM`, `*OPC?`, `:FETC?` | end of a part | measures, waits for it, answers `<C>,<D>,<status>` |
 //! | `:SYST:ERR?` | after each command of the set-up, after triggers, after errors | oldest error of the queue, or `+0,"No error"` |
 //!
-//! The set-up is repeated at the start of each run: a meter may have restarted since. A status other than 0 (−1 no data, 1 overload, 3 source overloaded, 4 level not regulated) and
-//! the value 9.9E37 are a reading that is missing. Everything else that goes wrong ends with 0 V
-//! commanded and read back, over a new connection if the old one is of no use.
+//! The set-up is repeated at the start of each run: a meter may have restarted since. A status
+//! other than 0 (−1 no data, 1 overload, 3 source overloaded, 4 level not regulated) and the value
+//! 9.9E37 are a reading that is missing. Everything else that goes wrong ends with 0 V commanded and
+//! read back, over a new connection if the old one is of no use.
 
 mod address;
 mod answer;
