@@ -21,7 +21,26 @@ const SMOOTHING: u32 = 8;
 
 /// An E4980A at the end of a TCP connection.
 ///
-/// Dropping it leaves the bias at 0 V and off, as far as the meter can be reached.
+/// Dropping it leaves the bias at 0 V and off, as far as the meter can be reached. What ends this
+/// program without that, as a power cut does, leaves the bias on: the meter has no dead-man timer.
+///
+/// ```
+/// use dielectric::meter::{MeterSettings, PretendedMeter, ScpiMeter};
+/// use dielectric::port::DevicePort;
+/// use dielectric::symbol::{Symbol, SymbolShape};
+///
+/// let device = Box::new(|bias_v: f64, _held| Some(1e-12 + 1e-15 * bias_v * bias_v));
+/// let pretended = PretendedMeter::start(Default::default(), device)?;
+/// let (frequency_hz, level_v, most_bias_v, timeout_s) = (1e6, 0.1, 20.0, 5.0);
+/// let settings = MeterSettings { frequency_hz, level_v, most_bias_v, timeout_s };
+/// let mut meter = ScpiMeter::connect(&pretended.address().to_string(), &settings)?;
+/// let (positive_v, negative_v, second_share, symbol_time_s) = (10.0, -20.0, 0.5, 0.1);
+/// let shape = SymbolShape { positive_v, negative_v, second_share, symbol_time_s };
+/// assert_eq!(meter.apply(Some(Symbol::Bit1), &shape)?, [Some(1.1e-12), Some(1.4e-12)]);
+/// meter.release()?;
+/// assert_eq!(pretended.bias_v(), 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct ScpiMeter {
     link: MeterLink,
     identity: String,

@@ -84,15 +84,15 @@ pub enum MeterError {
     },
     /// Symbols do not keep their time.
     #[error(
-        "{late} of {symbols} symbols were late by more than {tolerance_s:.3} s, the worst by {worst_s:.3} s; a symbol time of {enough_s:.2} s would do"
+        "{late} of {symbols} symbols were late by more than {tolerance_percent} % of a symbol time, the worst by {worst_s:.3} s; a symbol time of {enough_s:.2} s would do"
     )]
     Late {
         /// Symbols that were late.
         late: u64,
         /// All.
         symbols: u64,
-        /// Lateness that does not count, s.
-        tolerance_s: f64,
+        /// Lateness that does not count, per cent of the symbol time.
+        tolerance_percent: f64,
         /// Of the worst, s.
         worst_s: f64,
         /// Symbol time that leaves room for bias and reading, s.

@@ -88,6 +88,10 @@ impl MeterLink {
             match (self.line(IDENTITY, deadline), dropped) {
                 // Half an answer may stand before it.
                 (Ok(line), _) if line.ends_with(identity) => return Ok(()),
+                // Whoever floods is not waited for either.
+                (Ok(answer), _) if Instant::now() >= deadline => {
+                    return Err(MeterError::Garbled { command: IDENTITY.to_owned(), answer });
+                }
                 (Ok(line), _) => dropped = Some(line),
                 // It is not silent: it talks, and not of itself.
                 (Err(MeterError::Silent { command, .. }), Some(answer)) => {
@@ -155,4 +159,28 @@ fn ready(stream: &TcpStream, timeout: Duration) -> io::Result<()> {
     // A command is shorter than a packet, and waits for no other.
     stream.set_nodelay(true)?;
     stream.set_write_timeout(Some(timeout))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use publish::listen::{Listening, Token};
+
+    #[test]
+    fn a_flood_is_given_up_in_time() {
+        let listening = Listening::new(None, Token::random().expect("random numbers"));
+        let listener = listening.bind(([127, 0, 0, 1], 0).into()).expect("the loopback");
+        let mut link =
+            MeterLink::connect(&listener.address().to_string(), Duration::from_millis(100)).expect("a connection");
+        let mut there = loop {
+            if let Some(stream) = listener.accept().expect("a listener") {
+                break stream;
+            }
+        };
+        let flood = std::thread::spawn(move || while there.write_all(b"1\n22\n").is_ok() {});
+        let sentence = link.resynchronise("Keysight").expect_err("a flood").to_string();
+        assert!(sentence.starts_with("the meter's answer to *IDN? makes no sense: "), "{sentence}");
+        drop(link);
+        flood.join().expect("it ends with the connection");
+    }
 }

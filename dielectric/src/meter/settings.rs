@@ -12,7 +12,8 @@ pub struct MeterSettings {
     pub level_v: f64,
     /// Largest bias of either sign that may reach the device, V.
     pub most_bias_v: f64,
-    /// How long a connection or an answer may take, s.
+    /// How long a connection or an answer may take, s: longer than a measurement and a reset, which
+    /// take up to a second at low frequencies.
     pub timeout_s: f64,
 }
 

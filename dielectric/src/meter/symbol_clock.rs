@@ -8,8 +8,8 @@ use super::error::MeterError;
 use crate::symbol::SymbolShape;
 use std::time::{Duration, Instant};
 
-/// Lateness that does not count, as a share of the symbol time.
-const TOLERANCE: f64 = 0.02;
+/// Lateness that does not count, in per cent of the symbol time.
+const TOLERANCE_PERCENT: f64 = 2.0;
 /// Symbols before a share of late ones means something.
 const ENOUGH_SYMBOLS: u64 = 20;
 
@@ -63,10 +63,10 @@ impl SymbolClock {
     /// If more than `most_late`, a share, of the symbols were late. `work` is what bias and reading
     /// of a part take.
     pub(super) fn end(&mut self, shape: &SymbolShape, work: Duration, most_late: f64) -> Result<(), MeterError> {
-        let (lateness_s, tolerance_s) = (self.lateness.as_secs_f64(), TOLERANCE * shape.symbol_time_s);
+        let lateness_s = self.lateness.as_secs_f64();
         let counted = &mut self.counted;
         counted.symbols += 1;
-        counted.late += u64::from(lateness_s > tolerance_s);
+        counted.late += u64::from(100.0 * lateness_s > TOLERANCE_PERCENT * shape.symbol_time_s);
         counted.worst_s = counted.worst_s.max(lateness_s);
         let LateSymbols { symbols, late, worst_s } = *counted;
         if symbols < ENOUGH_SYMBOLS || late as f64 <= most_late * symbols as f64 {
@@ -75,7 +75,7 @@ impl SymbolClock {
         // Twice the work in the shorter part. Where the work is not the reason, the caller is.
         let shorter = shape.second_share.min(1.0 - shape.second_share);
         let enough_s = (2.0 * work.as_secs_f64() / shorter).max(shape.symbol_time_s + 2.0 * worst_s);
-        Err(MeterError::Late { late, symbols, tolerance_s, worst_s, enough_s })
+        Err(MeterError::Late { late, symbols, tolerance_percent: TOLERANCE_PERCENT, worst_s, enough_s })
     }
 }
 
@@ -110,9 +110,9 @@ mod tests {
             let late = Duration::from_millis(if k >= 17 { 30 } else { 1 });
             clock.note(begins + TIME + late, begins + TIME);
             let sentence = clock.end(&SHAPE, WORK, 0.1).err().map(|error| error.to_string());
-            // 3 of 20 are beyond a tenth. Twice 5 ms in a quarter are 0.04 s; the lateness wants more:
-            // 0.1 s and twice 0.03 s.
-            let expected = "3 of 20 symbols were late by more than 0.002 s, the worst by 0.030 s; a symbol time of 0.16 s would do";
+            // 3 of 20 are beyond a tenth. Twice 5 ms in a quarter are 0.04 s; the lateness wants
+            // more: 0.1 s and twice 0.03 s.
+            let expected = "3 of 20 symbols were late by more than 2 % of a symbol time, the worst by 0.030 s; a symbol time of 0.16 s would do";
             assert_eq!(sentence.as_deref(), (k == 19).then_some(expected));
         }
         assert_eq!((clock.counted.symbols, clock.counted.late), (20, 3));

@@ -322,7 +322,10 @@ fn a_meter_that_is_too_slow_for_its_symbols_ends_the_run() {
     let pretended = PretendedMeter::start(PretendedSettings::default(), slow).expect("the loopback");
     let mut meter = ScpiMeter::connect(&pretended.address().to_string(), &SETTINGS).expect("a meter");
     let error = (0..20).find_map(|_| meter.apply(Some(Symbol::Bit1), &SHAPE).err()).expect("late");
-    assert!(error.sentence.starts_with("20 of 20 symbols were late by more than 0.000 s, the worst by"), "{error}");
+    assert!(
+        error.sentence.starts_with("20 of 20 symbols were late by more than 2 % of a symbol time, the worst by"),
+        "{error}"
+    );
     assert!(error.is_released && error.sentence.contains("s; a symbol time of"), "{error}");
     let late = meter.late();
     assert!(late.late == 20 && late.worst_s >= 0.002, "{late:?}");
