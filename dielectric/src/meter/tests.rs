@@ -125,7 +125,7 @@ fn a_meter_that_misbehaves_once_is_left_at_zero_and_named() {
         let is_noticed = match kind {
             MisbehaviourKind::Overload => false,
             MisbehaviourKind::WrongBias => commands[at] == ":BIAS:VOLT?",
-            MisbehaviourKind::Disconnect | MisbehaviourKind::Garbage => true,
+            MisbehaviourKind::Disconnect | MisbehaviourKind::Garbage | MisbehaviourKind::Refusal => true,
             // An initial state that the meter has anyway.
             _ => commands[at].ends_with('?'),
         };
@@ -329,4 +329,20 @@ fn a_meter_that_is_too_slow_for_its_symbols_ends_the_run() {
     assert!(error.is_released && error.sentence.contains("s; a symbol time of"), "{error}");
     let late = meter.late();
     assert!(late.late == 20 && late.worst_s >= 0.002, "{late:?}");
+}
+
+#[test]
+fn a_reading_that_is_quicker_than_the_last_ones_shortens_no_part() {
+    let mut calls = 0;
+    let quicker: PretendedDevice = Box::new(move |_, _| {
+        calls += 1;
+        std::thread::sleep(Duration::from_millis(if calls == 1 { 100 } else { 0 }));
+        Some(1e-12)
+    });
+    let pretended = PretendedMeter::start(PretendedSettings::default(), quicker).expect("the loopback");
+    let mut meter = connect(&pretended).expect("a meter");
+    let begun = Instant::now();
+    meter.apply(Some(Symbol::Bit1), &SymbolShape { symbol_time_s: 0.2, ..SHAPE }).expect("a symbol");
+    // The reading of the start, and a symbol.
+    assert!(begun.elapsed() >= Duration::from_millis(300));
 }
