@@ -8,6 +8,7 @@
 
 pub mod device;
 pub mod experiment;
+pub mod meter;
 pub mod port;
 pub mod run;
 pub mod simulated;

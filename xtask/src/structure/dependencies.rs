@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 const WATCHED: [&str; 6] = ["clap", "nix", "parquet", "plotters", "serialport", "unicorn-engine"];
 
 /// All crates, and what each has of [`WATCHED`].
-const CRATES: [(&str, &[&str]); 15] = [
+const CRATES: [(&str, &[&str]); 16] = [
     ("dr-core", &[]),
     ("wire", &[]),
     ("firmware", &[]),
@@ -21,6 +21,7 @@ const CRATES: [(&str, &[&str]); 15] = [
     ("plot", &["parquet"]),
     ("host-sim", &["nix", "parquet", "serialport"]),
     ("publish", &["nix", "serialport"]),
+    ("dielectric", &["nix", "parquet", "serialport"]),
     ("anemo", &["clap", "nix", "parquet", "serialport"]),
     ("studies", &["parquet"]),
     ("anemo-tests", &["nix", "parquet", "serialport"]),

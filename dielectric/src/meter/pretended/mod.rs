@@ -1,0 +1,11 @@
+//! A meter that is none: it speaks the commands of the real one on the loopback, has a function for
+//! a device, and misbehaves where it is made to. For tests, and for demonstrations.
+
+mod commands;
+mod misbehaviour;
+mod server;
+mod state;
+
+pub use misbehaviour::{Misbehaviour, MisbehaviourKind};
+pub use server::{PretendedMeter, PretendedSettings};
+pub use state::{BiasStep, PretendedDevice};
