@@ -12,6 +12,7 @@ use recording::utc;
 use studies::benchmark::field;
 use studies::benchmark::heads;
 use studies::benchmark::measured;
+use studies::benchmark::mems;
 use studies::benchmark::modes;
 use studies::benchmark::wind::{self, BenchmarkReport, page};
 
@@ -36,6 +37,9 @@ use studies::benchmark::wind::{self, BenchmarkReport, page};
 /// with buoyancy and a cooled stem: how wrong the wind is, and whether the estimates say so. Half a
 /// minute a specimen.
 ///
+/// `mems`: charge in the dielectric of a MEMS: readings, models and laws, closed loops predicted and
+/// simulated, and where they lock. --experiments names its own folder.
+///
 /// `heads`: heads of every form as `anemo head new` writes them, from nothing to wind: identified,
 /// calibrated, and judged in winds that they have not seen; or in their place those of --head, in
 /// every mode.
@@ -48,11 +52,12 @@ Examples:
   anemo benchmark measured --tables records
   anemo benchmark modes --head heads/sphere-b.toml -o out
   anemo benchmark field --specimens 20 -o out
+  anemo benchmark mems --experiments experiments/mems -o out
   anemo benchmark heads --winds 30 -o out
   anemo benchmark heads --head heads/metwind.toml --overheat 20 -o out")]
 pub struct Arguments {
     /// What is measured.
-    #[arg(value_name = "wind|drift|measured|modes|field|heads")]
+    #[arg(value_name = "wind|drift|measured|modes|field|mems|heads")]
     name: BenchmarkName,
     /// Records of each kind of drift.
     #[arg(long, value_name = "COUNT", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..))]
@@ -63,7 +68,7 @@ pub struct Arguments {
     /// The folder for the page, which is written anew.
     #[arg(short, long, value_name = "FOLDER", default_value = "docs/results")]
     output: PathBuf,
-    /// The folder with the experiments of the spheres.
+    /// The folder with the experiments of the spheres, or of mems.
     #[arg(long, value_name = "FOLDER", default_value = "experiments/wind")]
     experiments: PathBuf,
     /// The folder with measured records as CSV tables, the time first and the output last.
@@ -96,6 +101,7 @@ enum BenchmarkName {
     Measured,
     Modes,
     Field,
+    Mems,
     Heads,
 }
 
@@ -106,6 +112,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         BenchmarkName::Measured => measured_benchmark(arguments),
         BenchmarkName::Modes => modes_benchmark(arguments),
         BenchmarkName::Field => field_benchmark(arguments),
+        BenchmarkName::Mems => mems_benchmark(arguments),
         BenchmarkName::Heads => heads_benchmark(arguments),
     }
 }
@@ -158,6 +165,14 @@ fn field_benchmark(arguments: &Arguments) -> Result<(), Failure> {
     crate::output::is_experiments(&arguments.experiments)?;
     let report = field::measure(&arguments.experiments, arguments.specimens, &announce)?;
     dated(&arguments.output, "field.md", &|day| report.page(day))?;
+    crate::output::print_report(&report, arguments.json)
+}
+
+fn mems_benchmark(arguments: &Arguments) -> Result<(), Failure> {
+    let folder = &arguments.output;
+    std::fs::create_dir_all(folder).map_err(|error| Failure::in_file(folder, format!("cannot be made: {error}")))?;
+    let report = mems::measure(&arguments.experiments, folder, &announce).map_err(Failure::work)?;
+    dated(folder, "mems.md", &|day| report.page(day))?;
     crate::output::print_report(&report, arguments.json)
 }
 

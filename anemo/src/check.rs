@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use crate::board::On;
 use crate::output::Failure;
+use dielectric::experiment::DeviceCheck;
 use host_sim::run::CheckReport;
 
 /// Read an experiment and its head, and report what would run.
@@ -21,6 +22,9 @@ pub struct Arguments {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    if let Some(experiment) = crate::run_device::experiment_of(&arguments.experiment)? {
+        return crate::output::print_report(&DeviceCheck::new(&experiment), arguments.json);
+    }
     let (experiment, judgement) = crate::output::read_experiment(&arguments.experiment, arguments.on.board())?;
     crate::output::print_report(&CheckReport::new(&experiment, judgement), arguments.json)
 }

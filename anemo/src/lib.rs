@@ -49,6 +49,7 @@ mod picture;
 mod plot;
 mod predict;
 mod predict_against;
+mod predict_device;
 mod progress;
 mod publish_options;
 mod recorded;

@@ -30,6 +30,9 @@ const MOST_TICKS: usize = 1 << 12;
 /// period. The second or, with --against, a recording is compared with the first. Both are
 /// decimated alike; changes of the wind and approaches to the set-point are left out. The picture
 /// shows powers and temperatures.
+///
+/// An experiment on a MEMS capacitor (with a `device`) runs on the model under the very controller:
+/// mean symbols and shifts, which set-points can be held, and where a loop of first order locks.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Labels of the experiment's winds must be classes of the model. Only regulated elements that the model \
@@ -39,15 +42,16 @@ Examples:
   anemo predict sectors.json experiments/held.toml
   anemo predict sectors.json experiments/held.toml --against held.parquet \\
       --plot held.svg
-  anemo predict sectors.json experiments/held.toml --from rest -o power.csv")]
+  anemo predict sectors.json experiments/held.toml --from rest -o power.csv
+  anemo predict charge.json experiments/mems/hold.toml --plot hold.svg")]
 pub struct Arguments {
     /// The model: a .json file of `anemo identify`, `merge` or `reduce`.
-    model: PathBuf,
+    pub(super) model: PathBuf,
     /// The experiment: a TOML file.
-    experiment: PathBuf,
+    pub(super) experiment: PathBuf,
     /// A recording of this experiment to compare with.
     #[arg(long, value_name = "RECORDING")]
-    against: Option<PathBuf>,
+    pub(super) against: Option<PathBuf>,
     /// Initial state of the structure.
     #[arg(long, value_name = "STATE", default_value = "standby", value_parser = choice([
         ("standby", "Every element has long been at its low level, as in standby", LoopStart::Standby),
@@ -58,19 +62,22 @@ pub struct Arguments {
     /// Window of the decimator, s, 2 to 1625 sample periods; by default 1 s, or 20 of them if
     /// longer.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    window: Option<f64>,
+    pub(super) window: Option<f64>,
     /// Write predicted powers (`limit_w_…`, `sampled_w_…`) of every tick to this .csv or .parquet
     /// file.
     #[arg(short, long, value_name = "FILE")]
-    output: Option<PathBuf>,
+    pub(super) output: Option<PathBuf>,
     #[command(flatten)]
-    picture: PictureArguments,
+    pub(super) picture: PictureArguments,
     /// Print one JSON object instead of the summary.
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    if let Some(experiment) = crate::run_device::experiment_of(&arguments.experiment)? {
+        return crate::predict_device::execute(arguments, &experiment);
+    }
     let read: Vec<&Path> =
         [&arguments.model, &arguments.experiment].into_iter().chain(&arguments.against).map(PathBuf::as_path).collect();
     crate::output::keep(&read, &[arguments.output.as_deref(), arguments.picture.path()])?;

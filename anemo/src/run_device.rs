@@ -21,6 +21,9 @@ use recording::WriterOptions;
 use recording::head_mounting::HeadMounting;
 use recording::toml_file::TomlSource;
 
+/// Longest wait for the answer of a meter, s.
+const TIMEOUT_S: f64 = 5.0;
+
 /// The experiment of a file, if it is one on a device.
 pub fn experiment_of(path: &Path) -> Result<Option<DeviceExperiment>, Failure> {
     let Ok(source) = TomlSource::read(path) else { return Ok(None) };
@@ -112,7 +115,7 @@ fn port(instrument: &InstrumentArguments, experiment: &DeviceExperiment) -> Resu
         frequency_hz: meter.frequency_hz,
         level_v: meter.level_v,
         most_bias_v: experiment.device.bias_max_v,
-        ..MeterSettings::default()
+        timeout_s: TIMEOUT_S,
     };
     let meter = ScpiMeter::connect(address, &settings).map_err(Failure::work)?;
     Ok(Box::new(meter))

@@ -10,6 +10,7 @@ pub mod device;
 pub mod experiment;
 pub mod meter;
 pub mod port;
+pub mod predict;
 pub mod run;
 pub mod simulated;
 pub mod symbol;

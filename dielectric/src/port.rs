@@ -28,12 +28,12 @@ pub trait DevicePort {
     }
 }
 
-/// The state of a simulated device at the end of the first part of a symbol.
+/// What a simulated device had at the readings of a symbol.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DeviceTruth {
-    /// V_sh, V.
+    /// V_sh, the mean of both, V.
     pub shift_v: f64,
-    /// C₀, F.
+    /// C₀ at the first, F.
     pub offset_f: f64,
 }
 

@@ -13,12 +13,15 @@
 //! } }` (the closed loop, of first or second order; `gain` a tick is that of the second, 0.1 if not
 //! given).
 
+mod check;
 mod read;
 mod table;
 
 use dr_core::Command;
 use dr_core::control::{Drive, GuardConfig};
 use recording::toml_file::{FileError, TomlSource};
+
+pub use check::{CheckedPhase, DeviceCheck};
 
 use crate::device::Device;
 use crate::simulated::{SimulatedDevice, SurroundingsPoint};

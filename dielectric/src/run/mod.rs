@@ -16,10 +16,10 @@ use dr_core::sensor::Reading;
 use dr_core::Command;
 use host_sim::instrument::{InstrumentError, LockStepController};
 use recording::toml_file::FileError;
-use recording::{RecordingError, RecordingRow};
+use recording::{Recording, RecordingError, RecordingRow, SYMBOL, VOLTAGE_SHIFT, column_name};
 
 pub use row::{layout, metadata};
-pub use summary::{DeviceEnd, DeviceRunSummary};
+pub use summary::{DeviceEnd, DeviceRunSummary, DeviceTrip, PhaseSummary};
 
 use crate::device::Device;
 use crate::experiment::DeviceExperiment;
@@ -85,6 +85,20 @@ pub fn run(
         (None, Ok(()), Ok(_)) => None,
     };
     Ok(statistics.summary(experiment, hash, ended))
+}
+
+/// What the phases of an experiment amounted to in a recording of it.
+///
+/// # Errors
+/// If it has not the columns of this device.
+pub fn phases_of(experiment: &DeviceExperiment, recording: &Recording) -> Result<Vec<PhaseSummary>, RecordingError> {
+    let of = |quantity: &str| recording.numbers(&column_name(quantity, &experiment.device.name));
+    let (symbols, shifts_v, times_s) = (of(SYMBOL)?, of(VOLTAGE_SHIFT)?, recording.time_s()?);
+    let mut statistics = DeviceStatistics::new(experiment, "");
+    for ((&time_s, &symbol), &shift_v) in times_s.iter().zip(symbols).zip(shifts_v) {
+        statistics.count(symbol as f32, shift_v as f32, time_s);
+    }
+    Ok(statistics.summary(experiment, 0, None).phases)
 }
 
 /// Brings the controller from whatever it does to running this experiment.

@@ -138,25 +138,29 @@ impl DeviceStatistics {
     }
 
     pub fn add(&mut self, row: &DeviceRow, time_s: f64) {
+        if let Some(truth) = row.truth.filter(|_| !row.shift_v.is_nan()) {
+            self.squares.0 += (f64::from(row.shift_v) - truth.shift_v).powi(2);
+            self.squares.1 += 1;
+        }
+        self.count(row.symbol, row.shift_v, time_s);
+    }
+
+    /// Counts a symbol and the shift before it.
+    pub fn count(&mut self, symbol: f32, shift_v: f32, time_s: f64) {
         if self.starts.get(self.phases.len() + 1).is_some_and(|(start_s, ..)| time_s > *start_s) {
             self.close_phase();
         }
         self.rows += 1;
         self.last_s = time_s;
-        if row.shift_v.is_nan() {
-            self.without_reading += 1;
-        } else if let Some(truth) = row.truth {
-            self.squares.0 += (f64::from(row.shift_v) - truth.shift_v).powi(2);
-            self.squares.1 += 1;
-        }
+        self.without_reading += u32::from(shift_v.is_nan());
         let (start_s, _, target_v) = &self.starts[self.phases.len()];
-        if let (Some(target_v), None, false) = (target_v, self.phase.reached_s, row.shift_v.is_nan()) {
-            let error_v = f64::from(row.shift_v) - target_v;
+        if let (Some(target_v), None, false) = (target_v, self.phase.reached_s, shift_v.is_nan()) {
+            let error_v = f64::from(shift_v) - target_v;
             let first_v = *self.phase.first_error_v.get_or_insert(error_v);
             self.phase.reached_s = (error_v * first_v <= 0.0).then_some(time_s - start_s);
         }
-        self.phase.symbols.push(row.symbol);
-        self.phase.shifts_v.push(row.shift_v);
+        self.phase.symbols.push(symbol);
+        self.phase.shifts_v.push(shift_v);
     }
 
     fn close_phase(&mut self) {

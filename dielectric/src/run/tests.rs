@@ -34,15 +34,15 @@ fn conducted(experiment: &DeviceExperiment, port: &mut dyn DevicePort) -> (Devic
 #[test]
 fn both_orders_hold_a_set_point_and_the_summary_has_it() {
     for order in [1, 2] {
-        let experiment = experiment(&held(0.4, order), 6000.0);
+        let experiment = experiment(&held(0.25, order), 6000.0);
         let (summary, rows) = conducted(&experiment, &mut experiment.simulated().unwrap());
         assert!(summary.complete, "{summary:?}");
         assert_eq!((summary.ticks, rows.len(), summary.without_reading), (5999, 5999, 0));
         let phase = &summary.phases[0];
-        assert!((phase.mean_voltage_shift_v.unwrap() - 0.4).abs() < 0.01, "{order}: {phase:?}");
+        assert!((phase.mean_voltage_shift_v.unwrap() - 0.25).abs() < [0.01, 1e-3][usize::from(order) - 1], "{order}: {phase:?}");
         assert!(phase.reached_s.unwrap() > 10.0);
-        // The meter's noise, and what the shift moves within a symbol.
-        assert!(summary.shift_rms_error_v.unwrap() < 2.0 * summary.shift_noise_v, "{summary:?}");
+        // The meter's noise, and what is interpolated of a shift that moves from symbol to symbol.
+        assert!(summary.shift_rms_error_v.unwrap() < 2e-3, "{summary:?}");
     }
 }
 

@@ -108,9 +108,11 @@ impl DevicePort for SimulatedDevice {
         for (place, ((bias_v, time_s), reading)) in parts.into_iter().zip(&mut readings).enumerate() {
             self.hold(bias_v, time_s);
             *reading = self.read(bias_v);
-            if place == 0 {
-                self.truth = DeviceTruth { shift_v: self.shift_v(), offset_f: self.offset_f() };
-            }
+            let now = DeviceTruth { shift_v: self.shift_v(), offset_f: self.offset_f() };
+            self.truth = match place {
+                0 => now,
+                _ => DeviceTruth { shift_v: 0.5 * (self.truth.shift_v + now.shift_v), ..self.truth },
+            };
         }
         Ok(readings)
     }

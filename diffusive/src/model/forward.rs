@@ -195,17 +195,22 @@ impl Forward {
         self.hold(class, gas_c, measured_c);
     }
 
-    /// Outputs at t_n; the inputs wait to be held.
-    fn predict(&mut self, inputs: &[f64], class: usize, gas_c: f64, outputs: &mut [f64]) {
+    /// Outputs at the next row, but for what its own inputs and gas add to them at once.
+    pub fn outputs(&self, outputs: &mut [f64]) {
         outputs.copy_from_slice(&self.offset_c);
-        for decay in &mut self.decays {
+        for decay in &self.decays {
             outputs[decay.output] += decay.amplitude_k;
-            decay.amplitude_k *= decay.factor;
         }
         for bank in &self.banks {
             outputs[bank.output] +=
                 bank.x.iter().zip(&bank.resistance).map(|(x, resistance)| x * resistance).sum::<f64>();
         }
+    }
+
+    /// Outputs at t_n; the inputs wait to be held.
+    fn predict(&mut self, inputs: &[f64], class: usize, gas_c: f64, outputs: &mut [f64]) {
+        self.outputs(outputs);
+        self.decays.iter_mut().for_each(|decay| decay.amplitude_k *= decay.factor);
         if let Some(gas) = &mut self.gas {
             gas.add(gas_c, outputs);
         }

@@ -7,7 +7,8 @@
 //!
 //! V_sh = (V₊ + V₋)/2 − ΔC / (2 α (V₊ − V₋))
 //!
-//! Where a bit repeats, the reading before the symbol was at the voltage of its second part too:
+//! Where V_sh moves between the two readings, that is its mean, but for V₊ ≠ −V₋ (weights V₊ and
+//! −V₋). Where a bit repeats, the reading before the symbol was at the voltage of its second part too:
 //! the two are interpolated to the moment between them, which cancels a C₀ that drifts steadily.
 //!
 //! | symbol | meaning | unit |
@@ -85,8 +86,7 @@ impl Capacitor {
         code as f32 * self.farad_per_code
     }
 
-    /// Voltage shift and offset from the readings of a symbol whose bit is `bit`. The shift is that
-    /// at the end of its first part.
+    /// Voltage shift and offset from the readings of a symbol whose bit is `bit`.
     pub fn shift(&self, codes: &SymbolCodes, bit: Level) -> Shift {
         let SymbolCodes { before, first, second } = *codes;
         // Differences of codes are exact; what is interpolated is small.

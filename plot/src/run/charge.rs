@@ -4,7 +4,7 @@ use super::figure::RunCharts;
 use crate::engine::chart::Chart;
 use crate::engine::colour::{PALETTE, TRUTH};
 use crate::engine::extent::extent;
-use crate::engine::reduce::{BINS, mean_power};
+use crate::engine::reduce::{BINS, MeanPower, mean_power};
 use crate::engine::trace::Trace;
 use crate::engine::words::brief;
 use recording::{OFFSET_CAPACITANCE, SYMBOL, TRUE_OFFSET_CAPACITANCE, TRUE_VOLTAGE_SHIFT, VOLTAGE_SHIFT};
@@ -39,14 +39,14 @@ impl RunCharts<'_> {
     }
 
     fn symbols(&self, devices: &[&str]) -> Option<Chart> {
-        let mean = |device: &&str| Some((*device, mean_power(self.time_s, self.numbers(SYMBOL, device)?, BINS)?));
-        let means: Vec<_> = devices.iter().filter_map(mean).collect();
+        let mean = |&device| Some((device, mean_power(self.time_s, self.numbers(SYMBOL, device)?, BINS)?));
+        let means: Vec<(&str, MeanPower)> = devices.iter().filter_map(mean).collect();
         let step_s = (self.time_s.last()? - self.time_s.first()?) / (self.time_s.len().max(2) - 1) as f64;
         let window_s = f64::from(means.first()?.1.ratio) * step_s;
         let all = means.iter().flat_map(|(_, mean)| &mean.power_w).copied();
         let (least, most) = extent(all.chain([0.0]))?;
         let chart = Chart::new("Mean symbol", "").note(format!("decimated to one value in {} s", brief(window_s)));
-        let line = |((device, mean), colour): ((&str, crate::engine::reduce::MeanPower), &_)| {
+        let line = |((device, mean), colour): ((&str, MeanPower), &_)| {
             Trace::line(device, mean.time_s.into_iter().zip(mean.power_w).collect()).painted(*colour)
         };
         let lines = means.into_iter().zip(PALETTE.iter().cycle()).map(line);

@@ -18,5 +18,6 @@ pub mod field_judged;
 pub mod field_own;
 pub mod heads;
 pub mod measured;
+pub mod mems;
 pub mod modes;
 pub mod wind;

@@ -1,0 +1,38 @@
+//! `anemo predict` for an experiment on a device, a MEMS capacitor.
+
+use std::path::{Path, PathBuf};
+
+use crate::output::Failure;
+use crate::predict::Arguments;
+use crate::recorded::RecordingOutputs;
+use dielectric::experiment::DeviceExperiment;
+use dielectric::predict::{DevicePredictError, predict};
+use dielectric::run::{DeviceRunError, layout, metadata, phases_of};
+use diffusive::model::Model;
+use recording::{Recording, WriterOptions};
+
+pub fn execute(arguments: &Arguments, experiment: &DeviceExperiment) -> Result<(), Failure> {
+    let read: Vec<&Path> =
+        [&arguments.model, &arguments.experiment].into_iter().chain(&arguments.against).map(PathBuf::as_path).collect();
+    crate::output::keep(&read, &[arguments.output.as_deref(), arguments.picture.path()])?;
+    if arguments.window.is_some() {
+        return Err(Failure::usage("--window: of a device the halves of its phases are compared; leave it out"));
+    }
+    let model = Model::read(&arguments.model).map_err(Failure::usage)?;
+    let options = WriterOptions::default();
+    let layout = layout(experiment, false);
+    let known = metadata(experiment, "model");
+    let mut rows =
+        RecordingOutputs::create(arguments.output.as_deref(), &arguments.picture, layout, &known, &options)?;
+    let predicted = predict(&model, experiment, &mut |row| rows.push(row).map_err(DeviceRunError::from));
+    let mut report = predicted.map_err(|error| match error {
+        DevicePredictError::Model(error) => Failure::in_file(&arguments.model, error),
+        DevicePredictError::Run(error) => Failure::work(error),
+    })?;
+    rows.finish(&Vec::new())?;
+    if let Some(path) = &arguments.against {
+        let recording = Recording::read(path).map_err(Failure::usage)?;
+        report.against = Some(phases_of(experiment, &recording).map_err(Failure::usage)?);
+    }
+    crate::output::print_report(&report, arguments.json)
+}

@@ -1,0 +1,89 @@
+//! Closed loops from an open-loop model: the experiment runs under the very controller, on a device
+//! in which the model stands for the charge; beside it what sliding-mode analysis gives of each
+//! set-point, and where a loop of first order locks.
+
+pub mod locking;
+mod modelled;
+mod report;
+
+use dr_core::control::Drive;
+use dr_core::model::Reachability;
+use diffusive::model::{Model, ModelError, PairClass};
+use diffusive::predict::analysis::{LoopConditions, analyse};
+use diffusive::predict::loop_model::LoopModel;
+use host_sim::instrument::in_process::InProcess;
+use recording::RecordingRow;
+
+pub use locking::{Plateau, SymbolResponse};
+pub use report::{DevicePrediction, HeldPhase};
+
+use crate::experiment::DeviceExperiment;
+use crate::run::{DeviceRunError, run};
+use modelled::ModelledDevice;
+
+/// Longest stream of a plateau that is looked for, symbols.
+const MOST_SYMBOLS: usize = 12;
+
+/// Why nothing is predicted.
+#[derive(Debug, thiserror::Error)]
+pub enum DevicePredictError {
+    /// The model's fault.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// The run on the model failed.
+    #[error(transparent)]
+    Run(#[from] DeviceRunError),
+}
+
+/// Predicts an experiment; `sink` gets every row, as a run's.
+///
+/// # Errors
+/// If the model has not one input and one output, or cannot be run.
+pub fn predict(
+    model: &Model,
+    experiment: &DeviceExperiment,
+    sink: &mut dyn FnMut(&RecordingRow) -> Result<(), DeviceRunError>,
+) -> Result<DevicePrediction, DevicePredictError> {
+    let part = PairClass::find(model, None, None)?;
+    part.refuse_wind()?;
+    let symbol_time_s = experiment.shape.symbol_time_s;
+    let mut port = ModelledDevice::new(model, &experiment.device, symbol_time_s);
+    let on_model = ModelledDevice::experiment(experiment);
+    let run = run(&on_model, Box::new(InProcess::new()), &mut port, sink)?;
+    let loop_model = LoopModel::of(&part, None)?;
+    let response = SymbolResponse {
+        offset_v: part.offset_c(),
+        rates_rad_s: part.pair.mesh_rad_s.clone(),
+        gains_v: part.class.r_k_per_w.clone(),
+        symbol_time_s,
+    };
+    // Narrower ones are lost in the noise of a reading.
+    let plateaus = response.plateaus(MOST_SYMBOLS, experiment.device.shift_noise_v(&experiment.shape));
+    let steady_v = loop_model.surface.steady_gain_k_per_w;
+    let range_v = [loop_model.unheated_c - steady_v.abs(), loop_model.unheated_c + steady_v.abs()];
+    let held = experiment.phases.iter().filter_map(|phase| {
+        let (target_v, _) = phase.drive.target_range_c()?;
+        let conditions = LoopConditions {
+            target_c: target_v.into(),
+            power_low_w: -1.0,
+            power_high_w: 1.0,
+            sample_period_s: symbol_time_s,
+        };
+        let found = analyse(&loop_model, Some(conditions)).held?;
+        let locks = matches!(phase.drive, Drive::Temperature { .. });
+        let inside = |plateau: &&Plateau| (plateau.from_v..plateau.to_v).contains(&f64::from(target_v));
+        Some(HeldPhase {
+            start_s: experiment.time_s(phase.tick),
+            target_v: target_v.into(),
+            is_reachable: matches!(found.verdict, Reachability::Reachable { .. }),
+            steady_symbol: (f64::from(target_v) - loop_model.unheated_c) / steady_v,
+            reaching_from_rest_s: found.reaching_time_s,
+            settled_from_rest_s: found.settled_s,
+            plateau: plateaus.iter().find(inside).filter(|_| locks).copied(),
+        })
+    });
+    Ok(DevicePrediction { held: held.collect(), range_v, plateaus: plateaus.clone(), run, against: None })
+}
+
+#[cfg(test)]
+mod tests;

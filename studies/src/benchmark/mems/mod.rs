@@ -1,0 +1,88 @@
+//! Charge in the dielectric of a MEMS: `anemo benchmark mems`.
+//!
+//! The device of an experiment under pseudo-random symbols for a day, from which models are
+//! identified; a second day that is set aside; closed loops of both orders, predicted from the
+//! model and run on the simulated device.
+//!
+//! | file | what |
+//! |---|---|
+//! | [`records`] | a run of the simulated device, in memory |
+//! | [`readings`] | quasi-differential against single readings |
+//! | [`loops`] | set-points held: predicted and simulated, and for days |
+//! | [`plateaus`] | where the loop of first order locks |
+//! | [`report`] | the figures as text, as JSON and as a page |
+
+pub mod loops;
+pub mod plateaus;
+pub mod readings;
+pub mod records;
+pub mod report;
+
+use std::path::{Path, PathBuf};
+
+use dielectric::experiment::DeviceExperiment;
+use dielectric::predict::DevicePredictError;
+use dielectric::run::DeviceRunError;
+use diffusive::identify::record::RecordError;
+use diffusive::laws::{FittedPart, compare};
+use plot::{Canvas, PictureOptions, PlotError};
+use recording::toml_file::FileError;
+
+pub use report::MemsReport;
+
+/// Identified from, and predicted then, s.
+const DAY_S: f64 = 86_400.0;
+
+/// What can fail.
+#[derive(Debug, thiserror::Error)]
+pub enum MemsError {
+    /// An experiment is wrong.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// A run failed.
+    #[error(transparent)]
+    Run(#[from] DeviceRunError),
+    /// A record cannot be identified.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// A model cannot be run.
+    #[error(transparent)]
+    Predict(#[from] DevicePredictError),
+    /// A picture cannot be drawn.
+    #[error(transparent)]
+    Plot(#[from] PlotError),
+}
+
+/// Measures everything on the experiments of a folder, and draws pictures into another.
+///
+/// # Errors
+/// If an experiment is missing or a run fails.
+pub fn measure(experiments: &Path, pictures: &Path, progress: &dyn Fn(&str)) -> Result<MemsReport, MemsError> {
+    let read = |name: &str| DeviceExperiment::read(&experiments.join(name));
+    let picture = |name: &str| Canvas::new(&pictures.join(name), PictureOptions::default());
+    progress("two days of pseudo-random symbols");
+    let prbs = read("prbs.toml")?;
+    let record = records::run_of(&prbs)?;
+    picture("mems-prbs.svg")?.draw(&plot::run::figure(&record.recording)?)?;
+    let readings = readings::compare(&prbs, &record);
+    progress("laws and the diffusive model");
+    let report = compare(&mut record.table()?, FittedPart::UntilS(DAY_S), &mut |_, _, _| {})?;
+    picture("mems-laws.svg")?.draw(&plot::laws::laws_figure(&report))?;
+    progress("bias steps");
+    let steps = records::run_of(&read("steps.toml")?)?;
+    picture("mems-steps.svg")?.draw(&plot::run::figure(&steps.recording)?)?;
+    progress("closed loops");
+    let held = loops::predicted(&report.model, &prbs)?;
+    let days = loops::days(&read("days.toml")?, &|name, recording| {
+        picture(name)?.draw(&plot::run::figure(recording)?)?;
+        Ok(())
+    })?;
+    progress("plateaus");
+    let plateaus = plateaus::compare(&read("locking.toml")?)?;
+    Ok(MemsReport { readings, laws: report, held, days, plateaus })
+}
+
+/// The pictures of the page.
+pub fn pictures() -> [PathBuf; 5] {
+    ["mems-prbs.svg", "mems-laws.svg", "mems-steps.svg", "mems-days-1.svg", "mems-days-2.svg"].map(PathBuf::from)
+}

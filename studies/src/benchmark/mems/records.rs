@@ -1,0 +1,61 @@
+//! A run of the simulated device, in memory.
+
+use dielectric::experiment::DeviceExperiment;
+use dielectric::run::{DeviceRunError, DeviceRunSummary, layout, metadata, run};
+use diffusive::identify::record::{RecordError, RecordTable};
+use host_sim::instrument::in_process::InProcess;
+use recording::{Collector, Recording};
+
+use super::MemsError;
+
+/// One run.
+pub struct DeviceRecord {
+    /// What it amounted to.
+    pub summary: DeviceRunSummary,
+    /// Its rows.
+    pub recording: Recording,
+    /// T_s, s.
+    pub symbol_time_s: f64,
+    /// Symbol held from row n on, voltage shift before it, readings, true shift.
+    pub rows: Vec<DeviceNumbers>,
+}
+
+/// A row in numbers.
+#[derive(Debug, Clone, Copy)]
+pub struct DeviceNumbers {
+    /// Held from here on.
+    pub symbol: f64,
+    /// Measured, V.
+    pub shift_v: f64,
+    /// Readings of the symbol before, F.
+    pub readings_f: [f64; 2],
+    /// True, V.
+    pub true_v: f64,
+}
+
+/// Runs an experiment on its simulated device.
+pub fn run_of(experiment: &DeviceExperiment) -> Result<DeviceRecord, MemsError> {
+    let known = metadata(experiment, "sim");
+    let mut collector = Collector::thinned(layout(experiment, true), &known);
+    let mut rows = Vec::with_capacity(experiment.ticks as usize);
+    let mut device = experiment.simulated()?;
+    let summary = run(experiment, Box::new(InProcess::new()), &mut device, &mut |row| {
+        let of = |place: usize| row.estimate.get(place).map_or(f64::NAN, |&of| of.into());
+        rows.push(DeviceNumbers { symbol: of(0), shift_v: of(1), readings_f: [of(3), of(4)], true_v: of(5) });
+        collector.push(row).map_err(DeviceRunError::from)
+    })?;
+    let recording = collector.finish(&Vec::new());
+    Ok(DeviceRecord { summary, recording, symbol_time_s: experiment.shape.symbol_time_s, rows })
+}
+
+impl DeviceRecord {
+    /// Symbols and shifts as a record to identify from.
+    pub fn table(&self) -> Result<RecordTable, RecordError> {
+        let column = |name: &str, of: fn(&DeviceNumbers) -> f64| vec![(name.to_owned(), self.rows.iter().map(of).collect())];
+        RecordTable::new(
+            self.symbol_time_s,
+            column("symbol", |row| row.symbol),
+            column("voltage_shift_v", |row| row.shift_v),
+        )
+    }
+}

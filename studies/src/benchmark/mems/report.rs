@@ -1,0 +1,166 @@
+//! The figures as text, as JSON and as a page.
+
+use std::fmt;
+
+use diffusive::laws::LawsReport;
+use recording::text::{columns, four_digits as brief};
+use serde::Serialize;
+
+use super::loops::{DaysFigures, LoopFigures};
+use super::plateaus::PlateauFigures;
+use super::readings::ReadingFigures;
+
+/// All that was measured.
+#[derive(Debug, Serialize)]
+pub struct MemsReport {
+    /// Over the first hour, and the whole record.
+    pub readings: [ReadingFigures; 2],
+    /// A day fitted, the next one forecast.
+    pub laws: LawsReport,
+    /// Set-points, predicted and simulated.
+    pub held: Vec<LoopFigures>,
+    /// Two days at a set-point.
+    pub days: [DaysFigures; 2],
+    /// Where the loop of first order locks.
+    pub plateaus: Vec<PlateauFigures>,
+}
+
+/// A table: its head, and rows of numbers and words.
+struct ResultTable {
+    title: &'static str,
+    head: Vec<&'static str>,
+    rows: Vec<Vec<String>>,
+}
+
+impl MemsReport {
+    fn tables(&self) -> Vec<ResultTable> {
+        let readings = self.readings.iter().map(|of| {
+            vec![
+                brief(of.duration_s),
+                brief(of.quasi_differential_v),
+                brief(of.single_v),
+                format!("{:.2} %", 100.0 * of.quasi_differential_v / of.single_v),
+            ]
+        });
+        let percent = |fit: Option<f64>| fit.map_or_else(|| "–".to_owned(), |fit| format!("{fit:.2} %"));
+        let laws = self.laws.laws.iter().map(|of| {
+            vec![
+                of.law.clone(),
+                of.numbers.to_string(),
+                percent(of.fitted.fit_percent),
+                percent(of.held_out.fit_percent),
+                brief(of.held_out.rmse),
+            ]
+        });
+        let held = self.held.iter().map(|of| {
+            let [predicted, simulated] = of.mean_symbol;
+            let [predicted_v, simulated_v] = of.mean_shift_v;
+            vec![
+                of.order.to_string(),
+                brief(of.target_v),
+                brief(predicted),
+                brief(simulated),
+                // Of the share of ones, (1 + s)/2.
+                format!("{:.2} %", 50.0 * (predicted - simulated).abs()),
+                format!("{:.3} %", 100.0 * (predicted_v - simulated_v).abs() / of.span_v),
+                of.reached_s.map(brief).join(", "),
+            ]
+        });
+        let days = self.days.iter().map(|of| {
+            vec![
+                of.order.to_string(),
+                brief(of.most_off_v),
+                brief(of.step_v),
+                brief(of.mean_off_v),
+                of.mean_symbol.map(brief).join(" → "),
+            ]
+        });
+        let plateaus = self.plateaus.iter().map(|of| {
+            let [from_v, to_v] = of.simulated_v;
+            let width_v = of.predicted.to_v - of.predicted.from_v;
+            let off_v = (of.predicted.from_v - from_v).abs().max((of.predicted.to_v - to_v).abs());
+            vec![
+                format!("{} of {}", of.predicted.ones, of.predicted.symbols),
+                format!("{} … {}", brief(of.predicted.from_v), brief(of.predicted.to_v)),
+                format!("{} … {}", brief(from_v), brief(to_v)),
+                format!("{:.2} % of the span, {:.0} % of the width", 100.0 * off_v / of.span_v, 100.0 * off_v / width_v),
+                of.first_order.map(brief).join(", "),
+                of.second_order.map(brief).join(", "),
+            ]
+        });
+        vec![
+            ResultTable {
+                title: "Voltage shift by two readings and by one",
+                head: vec!["first, s", "two readings, V rms", "one reading, V rms", "share"],
+                rows: readings.collect(),
+            },
+            ResultTable {
+                title: "A day identified, the next one forecast",
+                head: vec!["law", "numbers", "fit, first day", "fit, second day", "V rms"],
+                rows: laws.collect(),
+            },
+            ResultTable {
+                title: "Set-points, predicted from the model and simulated",
+                head: vec![
+                    "order",
+                    "set-point, V",
+                    "mean symbol predicted",
+                    "simulated",
+                    "share of ones off by",
+                    "shift off by, of the span",
+                    "reached, s",
+                ],
+                rows: held.collect(),
+            },
+            ResultTable {
+                title: "Two days at a set-point, the room 10 K warmer from the middle on",
+                head: vec!["order", "most off, V", "one symbol moves, V", "mean off, V", "mean symbol"],
+                rows: days.collect(),
+            },
+            ResultTable {
+                title: "Locking of the loop of first order",
+                head: vec![
+                    "ones",
+                    "predicted, V",
+                    "simulated, V",
+                    "edges off by",
+                    "mean symbol across it, first order",
+                    "second order",
+                ],
+                rows: plateaus.collect(),
+            },
+        ]
+    }
+
+    /// The page of the results.
+    pub fn page(&self, day: &str) -> String {
+        let table = |of: &ResultTable| {
+            let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
+            let head: Vec<String> = of.head.iter().map(|&cell| cell.to_owned()).collect();
+            let rule = format!("|{}\n", "---|".repeat(head.len()));
+            format!("{}{rule}{}", line(&head), of.rows.iter().map(|row| line(row)).collect::<String>())
+        };
+        let tables: Vec<String> = self.tables().iter().map(table).collect();
+        let fill = [
+            ("day", day),
+            ("readings", &tables[0]),
+            ("laws", &tables[1]),
+            ("best", &self.laws.best),
+            ("held", &tables[2]),
+            ("days", &tables[3]),
+            ("plateaus", &tables[4]),
+        ];
+        recording::template::fill(include_str!("page.md"), &fill).unwrap_or_else(|error| error.to_string())
+    }
+}
+
+impl fmt::Display for MemsReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for of in self.tables() {
+            let mut lines = vec![of.head.iter().map(|&cell| cell.to_owned()).collect()];
+            lines.extend(of.rows);
+            writeln!(f, "{}:\n{}", of.title, columns(&lines, &[]))?;
+        }
+        writeln!(f, "{}", self.laws.best)
+    }
+}
