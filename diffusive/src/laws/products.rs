@@ -37,24 +37,22 @@ impl LawColumns {
     }
 
     fn add(&mut self, kernel: StepKernel, shapes: &[f64], stream: &InputStream, sample_period_s: f64) {
+        if kernel == StepKernel::Exponential {
+            let both = [InputStream::relaxation, InputStream::decay];
+            for [values, slopes] in both.map(|column| column(stream, shapes[0].exp(), sample_period_s)) {
+                self.linear.push(values);
+                self.slopes.push(slopes);
+            }
+            return;
+        }
         let answer = |n: usize| kernel.answer(shapes, n as f64 * sample_period_s);
         let answers: Vec<StepAnswer> = (0..stream.rows()).map(answer).collect();
-        let slope = |which: usize| answers.iter().map(|answer| answer.slopes[which]).collect::<Vec<f64>>();
-        if kernel == StepKernel::Exponential {
-            let [state, state_slope] = stream.relaxation(shapes[0].exp(), sample_period_s);
-            self.linear.push(state);
-            self.slopes.push(state_slope);
-        } else {
-            let steps: Vec<f64> = answers.iter().map(|answer| answer.value).collect();
-            self.linear.push(stream.response(&steps));
-        }
-        self.linear.push(answers.iter().map(|answer| answer.left).collect());
+        let of = |value: &dyn Fn(&StepAnswer) -> f64| answers.iter().map(value).collect::<Vec<f64>>();
+        self.linear.push(stream.response(&of(&|answer| answer.value)));
+        self.linear.push(of(&|answer| answer.left));
         for which in 0..shapes.len() {
-            let slope = slope(which);
-            if kernel != StepKernel::Exponential {
-                self.slopes.push(stream.response(&slope));
-            }
-            self.slopes.push(slope.iter().map(|slope| -slope).collect());
+            self.slopes.push(stream.response(&of(&|answer| answer.slopes[which])));
+            self.slopes.push(of(&|answer| -answer.slopes[which]));
         }
     }
 

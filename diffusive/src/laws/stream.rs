@@ -57,18 +57,32 @@ impl InputStream {
 
     /// The answer of an exponential from rest, and its slope by ln τ.
     pub fn relaxation(&self, time_constant_s: f64, sample_period_s: f64) -> [Vec<f64>; 2] {
-        let gain = mesh::gain(1.0 / time_constant_s, sample_period_s);
-        let steep = -sample_period_s / time_constant_s * (1.0 - gain);
-        let (mut state, mut slope) = (0.0, 0.0);
-        let (mut states, mut slopes) = (Vec::with_capacity(self.rows()), Vec::with_capacity(self.rows()));
-        for input in &self.input {
-            states.push(state);
-            slopes.push(slope);
-            slope += steep * (input - state) - gain * slope;
-            state += gain * (input - state);
-        }
-        [states, slopes]
+        relaxed(self.input.iter().copied(), 0.0, time_constant_s, sample_period_s)
     }
+
+    /// What an exponential leaves of 1 at the first row, and its slope by ln τ.
+    pub fn decay(&self, time_constant_s: f64, sample_period_s: f64) -> [Vec<f64>; 2] {
+        relaxed(std::iter::repeat_n(0.0, self.rows()), 1.0, time_constant_s, sample_period_s)
+    }
+}
+
+fn relaxed(
+    input: impl ExactSizeIterator<Item = f64>,
+    start: f64,
+    time_constant_s: f64,
+    sample_period_s: f64,
+) -> [Vec<f64>; 2] {
+    let gain = mesh::gain(1.0 / time_constant_s, sample_period_s);
+    let steep = -sample_period_s / time_constant_s * (1.0 - gain);
+    let (mut state, mut slope) = (start, 0.0);
+    let (mut states, mut slopes) = (Vec::with_capacity(input.len()), Vec::with_capacity(input.len()));
+    for input in input {
+        states.push(state);
+        slopes.push(slope);
+        slope += steep * (input - state) - gain * slope;
+        state += gain * (input - state);
+    }
+    [states, slopes]
 }
 
 fn transformed(forward: &dyn RealToComplex<f64>, values: impl Iterator<Item = f64>) -> Vec<Complex<f64>> {
@@ -120,5 +134,10 @@ mod tests {
         // the transform.
         assert!(most(&stream.response(&steps), &state) < 1e-12);
         assert!(most(&stream.response(&slopes), &slope) < 1e-12);
+        // What is left after n steps has n roundings.
+        let [left, left_slope] = stream.decay(tau_s, period_s);
+        let ends: Vec<f64> = (0..rows).map(|n| answer(n).left).collect();
+        let rising: Vec<f64> = slopes.iter().map(|slope| -slope).collect();
+        assert!(most(&left, &ends) < 1e-11 && most(&left_slope, &rising) < 1e-11);
     }
 }

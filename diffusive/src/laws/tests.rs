@@ -134,7 +134,9 @@ fn the_forecast_does_not_look_at_the_outputs_that_it_is_held_against() {
     output[300..].iter_mut().for_each(|y| *y = -*y);
     let second = compared(input, output);
     for (a, b) in first.laws.iter().zip(&second.laws) {
-        assert!(a.predicted == b.predicted && a.terms == b.terms, "{}", a.law);
+        // Rows that a dead time leaves without a prediction are NaN in both.
+        let is_same = |(a, b): (&f64, &f64)| a == b || (a.is_nan() && b.is_nan());
+        assert!(a.predicted.iter().zip(&b.predicted).all(is_same) && a.terms == b.terms, "{}", a.law);
     }
 }
 
