@@ -13,11 +13,11 @@ use plot::laws::laws_figure;
 /// a diffusive model, by what they forecast.
 ///
 /// All are fitted to the first part of a record of one input and one output, such as symbols ±1 and
-/// the voltage shift of a dielectric that charges, or power and temperature of a heater. The rest is
-/// forecast from its input, and no output of it is looked at. Each law has an unknown rest value,
-/// and for the time before the record an unknown decay of its own shape. The diffusive model is that
-/// of `anemo identify` without options. The picture shows the output, every law, and the residuals
-/// of each.
+/// the voltage shift of a dielectric that charges, or power and temperature of a heater. The rest
+/// is forecast from its input, and no output of it is looked at. Each law has an unknown rest
+/// value, and for the time before the record an unknown decay of its own shape. The diffusive model
+/// is that of `anemo identify` without options. The picture shows the output, every law, and the
+/// residuals of each.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:

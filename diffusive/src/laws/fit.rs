@@ -1,7 +1,8 @@
 //! The one driver that fits every law: variable projection.
 //!
 //! ```text
-//! minimise over p   min_a ‖y − Φ(p) a‖²,      H = Dᵀ(1 − P)D,  b = Dᵀ(1 − P)y,   D = Σ_i a_i ∂φ_i/∂p
+//! minimise over p   min_a ‖y − Φ(p) a‖²
+//! H = Dᵀ(1 − P)D,   b = Dᵀ(1 − P)y,   D = Σ_i a_i ∂φ_i/∂p
 //! ```
 //!
 //! P projects on the columns Φ. Gains, decays and the rest value a are solved for at all shapes p
@@ -63,7 +64,7 @@ pub struct FitProblem {
 
 /// One place of the search.
 #[derive(Debug, Clone)]
-struct Place {
+struct ShapePoint {
     shapes: Vec<f64>,
     weights: DVector<f64>,
     squares: f64,
@@ -84,7 +85,7 @@ impl FitProblem {
     /// Fits a law. `shorter` are the shapes of a sum of one exponential less.
     pub fn fit(&self, law: ResponseLaw, shorter: &[f64]) -> Option<LawFit> {
         let bounds: Vec<(f64, f64)> = law.kernels().into_iter().flat_map(|kernel| self.range.bounds(kernel)).collect();
-        let mut places: Vec<Place> =
+        let mut places: Vec<ShapePoint> =
             law.starts(self.range, shorter).into_iter().filter_map(|shapes| self.place(law, shapes)).collect();
         places.sort_by(|a, b| a.squares.total_cmp(&b.squares));
         places.truncate(DESCENTS);
@@ -98,7 +99,7 @@ impl FitProblem {
         Some(LawFit { law, shapes: best.shapes, weights, at_edge })
     }
 
-    fn descend(&self, law: ResponseLaw, mut place: Place, bounds: &[(f64, f64)]) -> Place {
+    fn descend(&self, law: ResponseLaw, mut place: ShapePoint, bounds: &[(f64, f64)]) -> ShapePoint {
         let mut damping = RULE.start;
         for _ in 0..MOST_STEPS {
             let free = free_shapes(&place, bounds);
@@ -133,7 +134,7 @@ impl FitProblem {
     }
 
     /// The law at these shapes; `None` where two exponentials are one, or nothing can be computed.
-    fn place(&self, law: ResponseLaw, mut shapes: Vec<f64>) -> Option<Place> {
+    fn place(&self, law: ResponseLaw, mut shapes: Vec<f64>) -> Option<ShapePoint> {
         if let ResponseLaw::Exponentials(_) = law {
             shapes.sort_by(f64::total_cmp);
             if shapes.windows(2).any(|pair| pair[1] - pair[0] < LEAST_RATIO.ln()) {
@@ -172,12 +173,12 @@ impl FitProblem {
         }
         let b = with_y.column(0) - with_linear.tr_mul(&weights);
         let is_finite = squares.is_finite() && h.iter().chain(b.iter()).all(|entry| entry.is_finite());
-        is_finite.then_some(Place { shapes, weights, squares, h, b })
+        is_finite.then_some(ShapePoint { shapes, weights, squares, h, b })
     }
 }
 
 /// Shapes that are not held at a bound beyond which the descent would lead.
-fn free_shapes(place: &Place, bounds: &[(f64, f64)]) -> Vec<usize> {
+fn free_shapes(place: &ShapePoint, bounds: &[(f64, f64)]) -> Vec<usize> {
     let is_held = |at: usize| {
         let (low, high) = bounds[at];
         (place.shapes[at] <= low && place.b[at] < 0.0) || (place.shapes[at] >= high && place.b[at] > 0.0)

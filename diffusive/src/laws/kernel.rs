@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! exponential   S = 1 − e^(−s)     s = t/τ          ∂S/∂ln τ = −s e^(−s)
-//! stretched     S = 1 − e^(−s)     s = (t/τ)^β      ∂S/∂ln τ = −β s e^(−s),  ∂S/∂ln β = s ln s e^(−s)
+//! stretched     S = 1 − e^(−s)     s = (t/τ)^β      ∂S/∂ln τ = −β s e^(−s)
+//!                                                   ∂S/∂ln β = s ln s e^(−s)
 //! square root   S = √t
 //! ```
 

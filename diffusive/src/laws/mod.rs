@@ -39,7 +39,8 @@
 //!     state += (1.0 - (-1.0_f64 / 20.0).exp()) * (symbol - state);
 //! }
 //! let columns = |name: &str, values| vec![(name.to_owned(), values)];
-//! let mut record = RecordTable::new(1.0, columns("symbol", symbols), columns("shift (V)", shift))?;
+//! let (input, output) = (columns("symbol", symbols), columns("shift (V)", shift));
+//! let mut record = RecordTable::new(1.0, input, output)?;
 //! let report = compare(&mut record, FittedPart::default(), &mut |_, _, _| {})?;
 //! let one = &report.laws[0];
 //! assert!((one.terms[0].time_constant_s.unwrap() - 20.0).abs() < 1e-6);

@@ -48,7 +48,10 @@ impl ForecastRecord {
             format_args!("has gaps, or an input that is missing, between its {} segments: a law remembers its whole input, so give one stretch without gaps", survey.segments),
         )?;
         let block = read_rows(source)?;
-        let survey = source.survey().clone();
+        let mut survey = source.survey().clone();
+        if let (Some(column), 2..) = (&survey.event_column, source.classes().len()) {
+            survey.notes.push(format!("labels in column `{column}` are not looked at: a law is one for all rows"));
+        }
         let rows = block.len();
         let fitted = match part {
             FittedPart::UntilS(until_s) => {

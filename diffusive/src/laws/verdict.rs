@@ -5,7 +5,8 @@
 //! ```
 //!
 //! The held-out rows are cut into B blocks of like length, so that errors that hang together do not
-//! count as many. The noise of the output is in both errors, and nearly cancels in their difference.
+//! count as many. The noise of the output is in both errors, and nearly cancels in their
+//! difference.
 
 use crate::identify::folds::{FOLDS, mean_and_sd};
 

@@ -78,8 +78,8 @@ impl RecordTable {
         Ok(Self { survey, blocks: blocks.collect(), next: 0, classes: vec!["all".to_owned()] })
     }
 
-    /// Some rows of a record of one segment that is kept whole, as a record of one class and without
-    /// gas. Outputs that are missing stay so, and times stay the record's.
+    /// Some rows of a record of one segment that is kept whole, as a record of one class and
+    /// without gas. Outputs that are missing stay so, and times stay the record's.
     pub fn part(survey: &Survey, all: &Block, rows: Range<usize>) -> Self {
         let time_s = |row: usize| survey.first_time_s + row as f64 * survey.sample_period_s;
         let cut = |columns: &[Vec<f64>], from: usize, to: usize| {
