@@ -38,6 +38,7 @@ pub fn laws_figure(report: &LawsReport) -> Figure {
     let best = report.laws.iter().find(|law| law.law == report.best).map_or(f64::INFINITY, greatest);
     let all = extent(report.laws.iter().map(greatest)).map_or(1.0, |(_, most)| most);
     let reach = all.min(BEYOND * best);
+    let last = report.laws.len() - 1;
     let residuals = laws.map(|(pen, law)| {
         let cut = (greatest(law) > reach).then(|| format!("cut, the greatest is {}", brief(greatest(law))));
         let rms = format!("rms {} fitted, {} held out", brief(law.fitted.rmse), brief(law.held_out.rmse));
@@ -47,10 +48,11 @@ pub fn laws_figure(report: &LawsReport) -> Figure {
             .note(rms)
             .notes(cut)
             .trace(line("", &|row| residual(law, row)).colour(pen).width(0.5));
+        let chart = Chart { x_labels: pen == last, ..chart };
         parts(if reach > 0.0 { chart.range(-reach, reach) } else { chart }, [""; 2])
     });
     Figure::new(format!("{} → {}", report.input, report.output))
         .subtitle(report.verdict())
-        .row([parts(output, ["fitted", "held out"])])
+        .row([parts(Chart { x_labels: false, ..output }, ["fitted", "held out"])])
         .stack(residuals)
 }
