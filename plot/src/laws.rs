@@ -9,7 +9,7 @@ use crate::engine::trace::Trace;
 use crate::engine::words::{brief, shortened};
 
 /// The scale of residuals reaches to so many times the greatest of the best law.
-const BEYOND: f64 = 6.0;
+const BEYOND: f64 = 3.0;
 
 /// The figure of a comparison.
 pub fn laws_figure(report: &LawsReport) -> Figure {
@@ -26,7 +26,9 @@ pub fn laws_figure(report: &LawsReport) -> Figure {
     let laws = report.laws.iter().enumerate();
     let lines = laws.clone().map(|(pen, law)| line(&law.law, &|row| law.predicted[row]).colour(pen).width(0.7));
     let output_unit = recording::stated_unit(&report.output).unwrap_or_default();
-    let output = Chart::new(shortened(&report.output, 8.0, 200.0), output_unit)
+    // The unit stands beside the axis, whatever brackets the name has.
+    let name = report.output.split(['(', '[']).next().map_or("", str::trim_end);
+    let output = Chart::new(shortened(name, 8.0, 200.0), output_unit)
         .height(50.0)
         .trace(line("measured", &|row| report.measured[row]).colour(7).width(1.6))
         .traces(lines);

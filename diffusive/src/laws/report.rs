@@ -159,15 +159,17 @@ impl Display for LawsReport {
             self.output,
             brief(self.sample_period_s)
         )?;
+        self.notes.iter().try_for_each(|note| writeln!(f, "  {note}"))?;
         writeln!(
             f,
             "fitted: {fitted_rows} rows, before {} s; held out: the {} rows from then on\n",
             brief(self.until_s),
             rows - fitted_rows
         )?;
-        self.notes.iter().try_for_each(|note| writeln!(f, "  {note}"))?;
         let rmse = self.unit.as_ref().map_or("rms".to_owned(), |unit| format!("rms {unit}"));
-        let head = ["law", "numbers", "fit %", &rmse, "held out, fit %", &rmse, ""].map(str::to_owned).to_vec();
+        let head = ["law", "numbers", "fit %", &rmse, "held out: fit %", &format!("held out: {rmse}"), ""]
+            .map(str::to_owned)
+            .to_vec();
         let percent = |figures: &PartFigures| figures.fit_percent.map_or("–".to_owned(), |fit| format!("{fit:.2}"));
         let line = |law: &LawForecast| {
             let mark = if law.law == self.best {
