@@ -23,7 +23,7 @@
 //!
 //! A record is cut in two. All laws are fitted to the first part by one driver, the diffusive model
 //! is identified from it by [`identify`](crate::identify::identify) with its defaults, and all
-//! forecast the second part, whose input is known and whose output is not looked at. [`compare`]
+//! forecast the second part, whose input is known and whose output is not looked at. [`compare()`]
 //! does it all; [`LawsReport`] is the table.
 //!
 //! ```
