@@ -31,6 +31,7 @@ mod fit_recorder;
 mod head;
 mod identify;
 mod identify_page;
+mod laws;
 mod live_host;
 mod live_table;
 mod log;
@@ -130,6 +131,7 @@ enum Subcommands {
     Combine(combine::Arguments),
     Meteorology(meteorology::Arguments),
     Validate(validate::Arguments),
+    Laws(laws::Arguments),
     Plot(plot::Arguments),
     Example(example::Arguments),
     Export(export::Arguments),
@@ -215,6 +217,7 @@ pub fn main() -> ExitCode {
         Subcommands::Combine(arguments) => combine::execute(&arguments),
         Subcommands::Meteorology(arguments) => meteorology::execute(&arguments),
         Subcommands::Validate(arguments) => validate::execute(&arguments),
+        Subcommands::Laws(arguments) => laws::execute(&arguments),
         Subcommands::Plot(arguments) => plot::execute(&arguments),
         Subcommands::Example(arguments) => example::execute(&arguments),
         Subcommands::Export(arguments) => export::execute(&arguments),

@@ -38,7 +38,9 @@ const PAGES: [Page; 4] = [
         file: "command-line-models.md",
         kind: "thermal models",
         about: "Identify thermal models, judge and convert them, and predict closed loops with them.",
-        commands: &["identify", "merge", "validate", "export", "reduce", "analyse", "design", "predict", "example"],
+        commands: &[
+            "identify", "merge", "validate", "laws", "export", "reduce", "analyse", "design", "predict", "example",
+        ],
     },
     Page {
         file: "command-line-heads.md",

@@ -8,6 +8,7 @@ mod currents;
 mod examples;
 mod export;
 mod head;
+mod laws;
 mod long_record;
 mod losses;
 mod many_elements;

@@ -117,7 +117,7 @@ impl Score {
     }
 }
 
-fn mean_and_sd(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
+pub fn mean_and_sd(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
     let n = values.clone().count() as f64;
     let mean = values.clone().sum::<f64>() / n;
     (mean, (values.map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0)).sqrt())

@@ -92,13 +92,13 @@ mod panels;
 mod prior;
 mod quiet_start;
 mod residual_pass;
-mod residuals;
+pub(crate) mod residuals;
 mod rows;
 mod segment;
 mod spread;
 mod support;
 mod tied;
-mod validate_options;
+pub(crate) mod validate_options;
 mod whiteness;
 
 pub use drift::{DriftGiven, DriftKind};

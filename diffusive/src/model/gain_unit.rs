@@ -8,12 +8,16 @@ use recording::stated_unit;
 pub fn gain_unit(model: &Model, output: &str) -> Option<String> {
     let mut inputs = model.pairs.iter().filter(|pair| pair.output == output).map(|pair| stated_unit(&pair.input));
     let input = inputs.next()??;
-    // A rise of temperature is in K.
-    let rise = match stated_unit(output)? {
-        "°C" => "K",
-        other => other,
-    };
+    let rise = rise_unit(output)?;
     inputs.all(|other| other == Some(input)).then(|| format!("{rise}/{input}"))
+}
+
+/// The unit of differences of a column, if its name states one: a rise of temperature is in K.
+pub fn rise_unit(column: &str) -> Option<&str> {
+    match stated_unit(column)? {
+        "°C" => Some("K"),
+        other => Some(other),
+    }
 }
 
 #[cfg(test)]

@@ -37,6 +37,6 @@ pub use conditions::{Conditions, SAME_PRESSURE, SAME_TEMPERATURE_K};
 pub use content::*;
 pub use error::ModelError;
 pub use forward::Forward;
-pub use gain_unit::gain_unit;
+pub use gain_unit::{gain_unit, rise_unit};
 pub use losses::PlacedLoss;
 pub use pair_class::PairClass;

@@ -81,12 +81,12 @@ impl Survey {
     }
 
     /// Why the record cannot be used: a sentence that goes on behind its name.
-    pub(in crate::identify) fn refuse(&self, sentence: impl Into<String>) -> RecordError {
+    pub(crate) fn refuse(&self, sentence: impl Into<String>) -> RecordError {
         RecordError::content(&self.path, sentence)
     }
 
     /// Refuses the record where something is as it must not be.
-    pub(in crate::identify) fn refuse_if(&self, wrong: bool, sentence: impl Display) -> Result<(), RecordError> {
+    pub(crate) fn refuse_if(&self, wrong: bool, sentence: impl Display) -> Result<(), RecordError> {
         if wrong { Err(self.refuse(sentence.to_string())) } else { Ok(()) }
     }
 }

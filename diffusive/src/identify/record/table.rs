@@ -1,5 +1,6 @@
 //! A record in memory, from arrays or from another source.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::classes::Classes;
@@ -75,6 +76,37 @@ impl RecordTable {
             paths: vec![path.clone()],
         };
         Ok(Self { survey, blocks: blocks.collect(), next: 0, classes: vec!["all".to_owned()] })
+    }
+
+    /// Some rows of a record of one segment that is kept whole, as a record of one class and
+    /// without gas. Outputs that are missing stay so, and times stay the record's.
+    pub fn part(survey: &Survey, all: &Block, rows: Range<usize>) -> Self {
+        let time_s = |row: usize| survey.first_time_s + row as f64 * survey.sample_period_s;
+        let cut = |columns: &[Vec<f64>], from: usize, to: usize| {
+            columns.iter().map(|values| values[from..to].to_vec()).collect::<Vec<_>>()
+        };
+        let blocks = rows.clone().step_by(BLOCK).map(|from| {
+            let to = rows.end.min(from + BLOCK);
+            let missing = all.missing.iter().map(|row| *row as usize).filter(|row| (from..to).contains(row));
+            Block {
+                inputs: cut(&all.inputs, from, to),
+                outputs: cut(&all.outputs, from, to),
+                class: vec![0; to - from],
+                time_s: (time_s(from), time_s(to - 1)),
+                missing: missing.map(|row| (row - from) as u32).collect(),
+                ..Block::default()
+            }
+        });
+        let survey = Survey {
+            event_column: None,
+            gas_column: None,
+            rows: rows.len() as u64,
+            first_time_s: time_s(rows.start),
+            last_time_s: time_s(rows.end.max(1) - 1),
+            notes: Vec::new(),
+            ..survey.clone()
+        };
+        Self { survey, blocks: blocks.collect(), next: 0, classes: vec!["all".to_owned()] }
     }
 
     /// Gives every row the label of its conditions.
