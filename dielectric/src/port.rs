@@ -1,6 +1,6 @@
 //! What applies symbols to a device and reads its capacitance: a simulation, or a meter.
 
-use crate::symbol::{Symbol, SymbolShape};
+use crate::symbol::{ChargeSymbol, SymbolShape};
 
 /// Two capacitances in F, read at the ends of the two parts of a symbol; none where the meter has
 /// brought no reading, as at an overload.
@@ -14,7 +14,7 @@ pub trait DevicePort {
     /// # Errors
     /// If the device cannot be reached, or does not do as it is told. The port has tried to leave
     /// it at 0 V.
-    fn apply(&mut self, symbol: Option<Symbol>, shape: &SymbolShape) -> Result<SymbolReadings, PortError>;
+    fn apply(&mut self, symbol: Option<ChargeSymbol>, shape: &SymbolShape) -> Result<SymbolReadings, PortError>;
 
     /// Leaves the device at 0 V.
     ///

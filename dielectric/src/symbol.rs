@@ -2,7 +2,7 @@
 
 /// One bit of the stream that drives the charge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Symbol {
+pub enum ChargeSymbol {
     /// V₋ for (1 − δ) T_s, then V₊ for δ T_s.
     Bit0,
     /// V₊ for (1 − δ) T_s, then V₋ for δ T_s.
@@ -24,10 +24,10 @@ pub struct SymbolShape {
 
 impl SymbolShape {
     /// The two parts of a symbol: voltage in V and length in s of each.
-    pub fn parts(&self, symbol: Symbol) -> [(f64, f64); 2] {
+    pub fn parts(&self, symbol: ChargeSymbol) -> [(f64, f64); 2] {
         let [first_v, second_v] = match symbol {
-            Symbol::Bit0 => [self.negative_v, self.positive_v],
-            Symbol::Bit1 => [self.positive_v, self.negative_v],
+            ChargeSymbol::Bit0 => [self.negative_v, self.positive_v],
+            ChargeSymbol::Bit1 => [self.positive_v, self.negative_v],
         };
         let second_s = self.second_share * self.symbol_time_s;
         [(first_v, self.symbol_time_s - second_s), (second_v, second_s)]

@@ -2,6 +2,7 @@
 
 mod alternation;
 mod ambient;
+mod charge;
 mod cli;
 mod combine;
 mod currents;

@@ -6,7 +6,7 @@ use super::link::MeterLink;
 use super::settings::MeterSettings;
 use super::symbol_clock::{LateSymbols, SymbolClock};
 use crate::port::{DevicePort, PortError, SymbolReadings};
-use crate::symbol::{Symbol, SymbolShape};
+use crate::symbol::{ChargeSymbol, SymbolShape};
 use std::time::{Duration, Instant};
 
 /// Coarsest step of the meter's bias source, 20 V and above: a bias is read back as near as that.
@@ -27,7 +27,7 @@ const SMOOTHING: u32 = 8;
 /// ```
 /// use dielectric::meter::{MeterSettings, PretendedMeter, ScpiMeter};
 /// use dielectric::port::DevicePort;
-/// use dielectric::symbol::{Symbol, SymbolShape};
+/// use dielectric::symbol::{ChargeSymbol, SymbolShape};
 ///
 /// let device = Box::new(|bias_v: f64, _held| Some(1e-12 + 1e-15 * bias_v * bias_v));
 /// let pretended = PretendedMeter::start(Default::default(), device)?;
@@ -36,7 +36,7 @@ const SMOOTHING: u32 = 8;
 /// let mut meter = ScpiMeter::connect(&pretended.address().to_string(), &settings)?;
 /// let (positive_v, negative_v, second_share, symbol_time_s) = (10.0, -20.0, 0.5, 0.1);
 /// let shape = SymbolShape { positive_v, negative_v, second_share, symbol_time_s };
-/// assert_eq!(meter.apply(Some(Symbol::Bit1), &shape)?, [Some(1.1e-12), Some(1.4e-12)]);
+/// assert_eq!(meter.apply(Some(ChargeSymbol::Bit1), &shape)?, [Some(1.1e-12), Some(1.4e-12)]);
 /// meter.release()?;
 /// assert_eq!(pretended.bias_v(), 0.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -121,12 +121,12 @@ impl ScpiMeter {
         Ok(())
     }
 
-    fn apply_symbol(&mut self, symbol: Option<Symbol>, shape: &SymbolShape) -> Result<SymbolReadings, MeterError> {
+    fn apply_symbol(&mut self, symbol: Option<ChargeSymbol>, shape: &SymbolShape) -> Result<SymbolReadings, MeterError> {
         self.settings.allow(shape.positive_v)?;
         self.settings.allow(shape.negative_v)?;
         let parts = match symbol {
             Some(symbol) => shape.parts(symbol),
-            None => shape.parts(Symbol::Bit0).map(|(_, length_s)| (0.0, length_s)),
+            None => shape.parts(ChargeSymbol::Bit0).map(|(_, length_s)| (0.0, length_s)),
         };
         let [first, second] = [length(parts[0].1)?, length(parts[1].1)?];
         if !self.clock.is_running() {
@@ -219,7 +219,7 @@ impl ScpiMeter {
 }
 
 impl DevicePort for ScpiMeter {
-    fn apply(&mut self, symbol: Option<Symbol>, shape: &SymbolShape) -> Result<SymbolReadings, PortError> {
+    fn apply(&mut self, symbol: Option<ChargeSymbol>, shape: &SymbolShape) -> Result<SymbolReadings, PortError> {
         let readings = self.apply_symbol(symbol, shape);
         readings.map_err(|error| self.fail(error))
     }

@@ -1,7 +1,7 @@
 use super::pretended::{Misbehaviour, MisbehaviourKind, PretendedDevice, PretendedSettings};
 use super::{MeterError, MeterSettings, PretendedMeter, ScpiMeter};
 use crate::port::{DevicePort, PortError};
-use crate::symbol::{Symbol, SymbolShape};
+use crate::symbol::{ChargeSymbol, SymbolShape};
 use std::net::{Ipv6Addr, SocketAddr};
 use std::time::{Duration, Instant};
 
@@ -40,8 +40,8 @@ fn connect(pretended: &PretendedMeter) -> Result<ScpiMeter, MeterError> {
 }
 
 fn symbols(meter: &mut ScpiMeter) -> Result<(), PortError> {
-    meter.apply(Some(Symbol::Bit0), &SHAPE)?;
-    meter.apply(Some(Symbol::Bit1), &SHAPE)?;
+    meter.apply(Some(ChargeSymbol::Bit0), &SHAPE)?;
+    meter.apply(Some(ChargeSymbol::Bit1), &SHAPE)?;
     meter.release()
 }
 
@@ -169,8 +169,8 @@ fn fifty_symbols_alternate_the_biases() {
     for k in 0..50 {
         let symbol = match k % 7 {
             0 => None,
-            1 | 2 | 5 => Some(Symbol::Bit1),
-            _ => Some(Symbol::Bit0),
+            1 | 2 | 5 => Some(ChargeSymbol::Bit1),
+            _ => Some(ChargeSymbol::Bit0),
         };
         let parts_v = symbol.map_or([0.0; 2], |symbol| SHAPE.parts(symbol).map(|(bias_v, _)| bias_v));
         let readings = meter.apply(symbol, &SHAPE).expect("a symbol");
@@ -191,7 +191,7 @@ fn fifty_symbols_alternate_the_biases() {
     assert_eq!(history_v, expected_v);
     assert!(pretended.commands().contains(&":BIAS:STAT OFF".to_owned()));
     // Ready for another run, and released when it is dropped.
-    meter.apply(Some(Symbol::Bit1), &SHAPE).expect("a symbol");
+    meter.apply(Some(ChargeSymbol::Bit1), &SHAPE).expect("a symbol");
     assert_eq!(pretended.bias_v(), SHAPE.negative_v);
     drop(meter);
     assert_eq!(pretended.bias_v(), 0.0);
@@ -203,7 +203,7 @@ fn a_panic_leaves_zero() {
     std::thread::scope(|scope| {
         let run = scope.spawn(|| {
             let mut meter = connect(&pretended).expect("a meter");
-            meter.apply(Some(Symbol::Bit1), &SHAPE).expect("a symbol");
+            meter.apply(Some(ChargeSymbol::Bit1), &SHAPE).expect("a symbol");
             assert_eq!(pretended.bias_v(), 0.0, "this is the panic");
         });
         assert!(run.join().is_err());
@@ -217,7 +217,7 @@ fn overloads_are_readings_that_are_missing() {
     let overload = Misbehaviour { at: 0, is_lasting: true, kind: MisbehaviourKind::Overload };
     let pretended = pretended(Some(overload));
     let mut meter = connect(&pretended).expect("a meter");
-    assert_eq!(meter.apply(Some(Symbol::Bit0), &SHAPE).expect("a symbol"), [None; 2]);
+    assert_eq!(meter.apply(Some(ChargeSymbol::Bit0), &SHAPE).expect("a symbol"), [None; 2]);
 }
 
 #[test]
@@ -226,7 +226,7 @@ fn a_bias_beyond_the_limit_is_never_sent() {
     let mut meter = connect(&pretended).expect("a meter");
     for (positive_v, negative_v) in [(35.1, 0.0), (0.0, -35.1), (f64::NAN, 0.0)] {
         // Also where the symbol itself would be 0 V.
-        for symbol in [Some(Symbol::Bit0), None] {
+        for symbol in [Some(ChargeSymbol::Bit0), None] {
             let error = meter.apply(symbol, &SymbolShape { positive_v, negative_v, ..SHAPE }).expect_err("refused");
             let wrong_v = if negative_v == 0.0 { positive_v } else { negative_v };
             let expected = format!("a bias of {wrong_v} V is beyond most_bias_v, which is 35 V; the bias is 0 V");
@@ -242,7 +242,7 @@ fn a_bias_that_the_meter_does_not_have_is_named() {
     let pretended = pretended(None);
     let settings = MeterSettings { most_bias_v: 100.0, ..SETTINGS };
     let mut meter = ScpiMeter::connect(&pretended.address().to_string(), &settings).expect("a meter");
-    let error = meter.apply(Some(Symbol::Bit1), &SymbolShape { positive_v: 41.0, ..SHAPE }).expect_err("too much");
+    let error = meter.apply(Some(ChargeSymbol::Bit1), &SymbolShape { positive_v: 41.0, ..SHAPE }).expect_err("too much");
     let expected = "the meter has a bias of 0 V, on, where 41 V, on, was commanded, with the error -222,\"Data out of range\"; does it have Option 001";
     assert!(error.is_released && error.sentence.starts_with(expected), "{error}");
 }
@@ -283,10 +283,10 @@ fn another_instrument_is_left_alone() {
 fn a_second_client_that_takes_the_bias_away_is_noticed() {
     let pretended = pretended(None);
     let mut first = connect(&pretended).expect("a meter");
-    first.apply(Some(Symbol::Bit0), &SHAPE).expect("a symbol");
+    first.apply(Some(ChargeSymbol::Bit0), &SHAPE).expect("a symbol");
     drop(connect(&pretended).expect("the same meter"));
     assert_eq!(pretended.bias_v(), 0.0);
-    let error = first.apply(Some(Symbol::Bit0), &SHAPE).expect_err("the bias is off");
+    let error = first.apply(Some(ChargeSymbol::Bit0), &SHAPE).expect_err("the bias is off");
     let expected = "the meter has a bias of -30 V, off, where -30 V, on, was commanded";
     assert!(error.is_released && error.sentence.starts_with(expected), "{error}");
 }
@@ -321,7 +321,7 @@ fn a_meter_that_is_too_slow_for_its_symbols_ends_the_run() {
     });
     let pretended = PretendedMeter::start(PretendedSettings::default(), slow).expect("the loopback");
     let mut meter = ScpiMeter::connect(&pretended.address().to_string(), &SETTINGS).expect("a meter");
-    let error = (0..20).find_map(|_| meter.apply(Some(Symbol::Bit1), &SHAPE).err()).expect("late");
+    let error = (0..20).find_map(|_| meter.apply(Some(ChargeSymbol::Bit1), &SHAPE).err()).expect("late");
     assert!(
         error.sentence.starts_with("20 of 20 symbols were late by more than 2 % of a symbol time, the worst by"),
         "{error}"
@@ -342,7 +342,7 @@ fn a_reading_that_is_quicker_than_the_last_ones_shortens_no_part() {
     let pretended = PretendedMeter::start(PretendedSettings::default(), quicker).expect("the loopback");
     let mut meter = connect(&pretended).expect("a meter");
     let begun = Instant::now();
-    meter.apply(Some(Symbol::Bit1), &SymbolShape { symbol_time_s: 0.2, ..SHAPE }).expect("a symbol");
+    meter.apply(Some(ChargeSymbol::Bit1), &SymbolShape { symbol_time_s: 0.2, ..SHAPE }).expect("a symbol");
     // The reading of the start, and a symbol.
     assert!(begun.elapsed() >= Duration::from_millis(300));
 }

@@ -5,7 +5,7 @@ use diffusive::model::{Forward, Model};
 use crate::device::Device;
 use crate::experiment::DeviceExperiment;
 use crate::port::{DevicePort, PortError, SymbolReadings};
-use crate::symbol::{Symbol, SymbolShape};
+use crate::symbol::{ChargeSymbol, SymbolShape};
 
 /// A share of the second part of a symbol so small that nothing is interpolated: the model gives
 /// the voltage shift as it was read.
@@ -31,11 +31,11 @@ impl ModelledDevice {
 }
 
 impl DevicePort for ModelledDevice {
-    fn apply(&mut self, symbol: Option<Symbol>, shape: &SymbolShape) -> Result<SymbolReadings, PortError> {
+    fn apply(&mut self, symbol: Option<ChargeSymbol>, shape: &SymbolShape) -> Result<SymbolReadings, PortError> {
         let input = match symbol {
             None => 0.0,
-            Some(Symbol::Bit0) => -1.0,
-            Some(Symbol::Bit1) => 1.0,
+            Some(ChargeSymbol::Bit0) => -1.0,
+            Some(ChargeSymbol::Bit1) => 1.0,
         };
         let mut shift_v = [0.0];
         self.forward.row(&[input], 0, f64::NAN, &mut shift_v);

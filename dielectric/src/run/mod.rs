@@ -24,7 +24,7 @@ pub use summary::{DeviceEnd, DeviceRunSummary, DeviceTrip, PhaseSummary};
 use crate::device::Device;
 use crate::experiment::DeviceExperiment;
 use crate::port::{DevicePort, PortError, SymbolReadings};
-use crate::symbol::Symbol;
+use crate::symbol::ChargeSymbol;
 use row::DeviceRow;
 use summary::DeviceStatistics;
 
@@ -143,7 +143,7 @@ fn conduct(
         let sample = controller.exchange(&codes)?.sample;
         // Bit 1 is that of the bias.
         let symbol = sample.heaters.is_high(1).then(|| {
-            if sample.heaters.is_high(0) { Symbol::Bit1 } else { Symbol::Bit0 }
+            if sample.heaters.is_high(0) { ChargeSymbol::Bit1 } else { ChargeSymbol::Bit0 }
         });
         if tick > 0 {
             let row = DeviceRow::new(&sample, readings, symbol, port.truth());

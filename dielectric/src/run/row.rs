@@ -10,7 +10,7 @@ use recording::{
 use super::{DeviceRunError, trip_words};
 use crate::experiment::DeviceExperiment;
 use crate::port::{DeviceTruth, SymbolReadings};
-use crate::symbol::Symbol;
+use crate::symbol::ChargeSymbol;
 
 /// Quantities of a device, in the order of its columns: the symbol that is held from t_n on, the
 /// voltage shift and C₀ by the readings of the symbol before t_n, and these readings.
@@ -55,7 +55,7 @@ impl DeviceRow {
     pub fn new(
         sample: &TickSample,
         readings: SymbolReadings,
-        symbol: Option<Symbol>,
+        symbol: Option<ChargeSymbol>,
         truth: Option<DeviceTruth>,
     ) -> Self {
         let is_valid = sample.valid & 1 == 1;
@@ -65,8 +65,8 @@ impl DeviceRow {
         };
         let symbol = match symbol {
             None => 0.0,
-            Some(Symbol::Bit0) => -1.0,
-            Some(Symbol::Bit1) => 1.0,
+            Some(ChargeSymbol::Bit0) => -1.0,
+            Some(ChargeSymbol::Bit1) => 1.0,
         };
         let [first_f, second_f] = readings.map(|reading| reading.map_or(f32::NAN, |of| of as f32));
         let mut numbers = vec![symbol, measured(0), measured(1), first_f, second_f];

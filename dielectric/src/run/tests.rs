@@ -55,7 +55,7 @@ struct Failing {
 }
 
 impl DevicePort for Failing {
-    fn apply(&mut self, symbol: Option<Symbol>, _: &SymbolShape) -> Result<SymbolReadings, PortError> {
+    fn apply(&mut self, symbol: Option<ChargeSymbol>, _: &SymbolShape) -> Result<SymbolReadings, PortError> {
         self.symbols += 1;
         if self.symbols == self.at {
             return Err(PortError { sentence: "the meter is gone".to_owned(), is_released: false });

@@ -12,7 +12,7 @@ pub use surroundings::{SurroundingsPoint, surroundings_at};
 
 use crate::device::{Device, Simulation};
 use crate::port::{DevicePort, DeviceTruth, PortError, SymbolReadings};
-use crate::symbol::{Symbol, SymbolShape};
+use crate::symbol::{ChargeSymbol, SymbolShape};
 
 /// A device that is computed. All times are its own: it waits for nobody.
 pub struct SimulatedDevice {
@@ -102,7 +102,7 @@ impl SimulatedDevice {
 }
 
 impl DevicePort for SimulatedDevice {
-    fn apply(&mut self, symbol: Option<Symbol>, shape: &SymbolShape) -> Result<SymbolReadings, PortError> {
+    fn apply(&mut self, symbol: Option<ChargeSymbol>, shape: &SymbolShape) -> Result<SymbolReadings, PortError> {
         let parts = symbol.map_or([(0.0, 0.0), (0.0, shape.symbol_time_s)], |symbol| shape.parts(symbol));
         let mut readings = [None; 2];
         for (place, ((bias_v, time_s), reading)) in parts.into_iter().zip(&mut readings).enumerate() {

@@ -56,7 +56,7 @@ fn a_constant_bias_charges_along_an_exponential_and_by_its_size() {
 fn a_stream_of_symbols_is_linear_where_the_bias_is_not() {
     let banks = vec![carriers(Polarity::Positive, 1.0, 50.0), carriers(Polarity::Negative, -0.6, 300.0)];
     let device = device(0.0, banks);
-    let run = |stream: &dyn Fn(usize) -> Option<Symbol>| {
+    let run = |stream: &dyn Fn(usize) -> Option<ChargeSymbol>| {
         let mut simulated = SimulatedDevice::new(&device, &[], 1).unwrap();
         let apply = |n| {
             simulated.apply(stream(n), &SHAPE).unwrap();
@@ -64,7 +64,7 @@ fn a_stream_of_symbols_is_linear_where_the_bias_is_not() {
         };
         (0..400).map(apply).collect::<Vec<f64>>()
     };
-    let bit = |high: bool| Some(if high { Symbol::Bit1 } else { Symbol::Bit0 });
+    let bit = |high: bool| Some(if high { ChargeSymbol::Bit1 } else { ChargeSymbol::Bit0 });
     let (ones, zeros) = (run(&|_| bit(true)), run(&|_| bit(false)));
     let (mixed, opposite) = (run(&|n| bit(n % 3 == 0)), run(&|n| bit(n % 3 != 0)));
     for n in 0..400 {
@@ -82,7 +82,7 @@ fn readings_follow_the_curve_and_the_surroundings() {
         SurroundingsPoint { start_s: 100.0, temperature_c: 30.0, humidity_percent: 60.0 },
     ];
     let mut simulated = SimulatedDevice::new(&device, &points, 1).unwrap();
-    let [first, second] = simulated.apply(Some(Symbol::Bit1), &SHAPE).unwrap();
+    let [first, second] = simulated.apply(Some(ChargeSymbol::Bit1), &SHAPE).unwrap();
     let truth = simulated.truth().unwrap();
     let end_v = simulated.shift_v();
     let first_v = 2.0 * truth.shift_v - end_v;
@@ -98,7 +98,7 @@ fn readings_follow_the_curve_and_the_surroundings() {
 #[test]
 fn noise_repeats_with_its_seed_and_a_fallen_membrane_shows() {
     let device = device(1e-18, vec![carriers(Polarity::Positive, 1.5, 100.0)]);
-    let first = |seed| SimulatedDevice::new(&device, &[], seed).unwrap().apply(Some(Symbol::Bit1), &SHAPE).unwrap();
+    let first = |seed| SimulatedDevice::new(&device, &[], seed).unwrap().apply(Some(ChargeSymbol::Bit1), &SHAPE).unwrap();
     assert_eq!(first(3), first(3));
     assert_ne!(first(3), first(4));
     let mut simulated = SimulatedDevice::new(&device, &[], 1).unwrap();

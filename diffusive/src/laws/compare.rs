@@ -45,7 +45,7 @@ pub fn compare(
     for (law, own) in laws.iter_mut().zip(&errors) {
         law.within_noise = is_within_noise(own, &errors[best]);
     }
-    Ok(LawsReport::new(record, output, laws, best, warnings))
+    Ok(LawsReport::new(record, output, laws, model, best, warnings))
 }
 
 /// Every law, with what must be known of its numbers.

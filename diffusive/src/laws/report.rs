@@ -7,11 +7,14 @@ use recording::text::{brief, columns, listed, short};
 use serde::Serialize;
 
 use super::record::ForecastRecord;
-use crate::model::rise_unit;
+use crate::model::{Model, rise_unit};
 
 /// All laws on one record; for people by `Display`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LawsReport {
+    /// The diffusive model, identified from the first part.
+    #[serde(skip)]
+    pub model: Model,
     /// Files of the record.
     pub records: Vec<String>,
     /// The input's column.
@@ -97,6 +100,7 @@ impl LawsReport {
         record: ForecastRecord,
         measured: Vec<f64>,
         laws: Vec<LawForecast>,
+        model: Model,
         best: usize,
         warnings: Vec<String>,
     ) -> Self {
@@ -104,6 +108,7 @@ impl LawsReport {
         let ForecastRecord { survey, fitted, .. } = record;
         let (input, output) = (survey.inputs[0].clone(), survey.outputs[0].clone());
         Self {
+            model,
             records: survey.paths.iter().map(|path| path.display().to_string()).collect(),
             unit: rise_unit(&output).map(str::to_owned),
             input_unit: stated_unit(&input).map(str::to_owned),

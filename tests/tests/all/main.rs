@@ -2,6 +2,7 @@
 //! MODULE::`.
 
 mod card_wind;
+mod charge_on_board;
 mod closed_loop;
 mod closed_loop_recorded;
 mod closed_loop_said;

@@ -93,7 +93,7 @@ pub fn days(
     draw: &dyn Fn(&str, &Recording) -> Result<(), MemsError>,
 ) -> Result<[DaysFigures; 2], MemsError> {
     let target = experiment.phases[0].drive.target_range_c().map_or(0.0, |(target, _)| target);
-    let of = |order: u8| {
+    let of = |order: u8| -> Result<DaysFigures, MemsError> {
         let drive = match order {
             1 => Drive::Temperature { target_c: target },
             _ => Drive::SecondOrder { target, gain_per_tick: GAIN_PER_TICK },

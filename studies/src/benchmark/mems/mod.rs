@@ -25,7 +25,7 @@ use dielectric::predict::DevicePredictError;
 use dielectric::run::DeviceRunError;
 use diffusive::identify::record::RecordError;
 use diffusive::laws::{FittedPart, compare};
-use plot::{Canvas, PictureOptions, PlotError};
+use plot::{Canvas, PlotError};
 use recording::toml_file::FileError;
 
 pub use report::MemsReport;
@@ -59,7 +59,7 @@ pub enum MemsError {
 /// If an experiment is missing or a run fails.
 pub fn measure(experiments: &Path, pictures: &Path, progress: &dyn Fn(&str)) -> Result<MemsReport, MemsError> {
     let read = |name: &str| DeviceExperiment::read(&experiments.join(name));
-    let picture = |name: &str| Canvas::new(&pictures.join(name), PictureOptions::default());
+    let picture = |name: &str| Canvas::create(&pictures.join(name));
     progress("two days of pseudo-random symbols");
     let prbs = read("prbs.toml")?;
     let record = records::run_of(&prbs)?;

@@ -72,6 +72,7 @@ fn recorded(experiment: &Experiment) -> Result<QuiescentRecord, StudyError> {
         combined_wind: false,
         earth_wind: false,
         cores: Vec::new(),
+        numbers: Vec::new(),
     };
     let mut known: Metadata = experiment.conditions().to_metadata();
     known.push(("head".to_owned(), experiment.head.source.text.clone()));
