@@ -22,6 +22,7 @@ pub struct Arguments {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let (experiment, judgement) = crate::output::read_experiment(&arguments.experiment, arguments.on.board())?;
+    crate::output::note_corrections(&experiment.head);
     crate::output::print_report(&CheckReport::new(&experiment, judgement), arguments.json)
 }
 

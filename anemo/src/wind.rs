@@ -61,7 +61,8 @@ pub struct Arguments {
     /// Keep the bandwidth when the wind jumps, instead of raising it for a while.
     #[arg(long)]
     fixed: bool,
-    /// Output interval, s, a whole number of ticks; by default 0.01 or a tick.
+    /// Output interval, s, a whole number of ticks; by default 0.01 or a tick. At its end stands
+    /// the estimate of that moment, no mean: --bandwidth smooths.
     #[arg(long, value_name = "SECONDS")]
     every: Option<f64>,
     /// Gas temperature, °C, or its column; by default that of the head's reference, or the
@@ -146,8 +147,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         WindEstimation::new(&arguments.recording, &head, &options, table.as_ref()).map_err(Failure::usage)?;
     let mut better = None;
     if let Some(kind) = arguments.field_correction {
-        let correction = field_correction(&mut estimation, kind.into())?;
-        better = estimation.likelier_than(&correction).map(|other| {
+        while estimation.next_estimate().map_err(Failure::work)?.is_some() {}
+        let found = estimation.slow_errors(kind.into());
+        let (correction, other) = found.map_err(|error| Failure::work(format!("--field-correction: {error}")))?;
+        better = other.map(|other| {
             let [kind, other] = [correction.kind, other].map(SlowErrorKind::word);
             format!("--field-correction {kind}: `{other}` explain the contradictions far better")
         });
@@ -211,12 +214,6 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         .map(Path::to_owned)
         .collect();
     crate::output::print_report(&report, arguments.json)
-}
-
-/// Slow errors of a recording, which is gone through to its end.
-fn field_correction(estimation: &mut WindEstimation<'_>, kind: SlowErrorKind) -> Result<FieldCorrection, Failure> {
-    while estimation.next_estimate().map_err(Failure::work)?.is_some() {}
-    estimation.slow_errors(kind).map_err(|error| Failure::work(format!("--field-correction: {error}")))
 }
 
 /// Writes a head with what was found, and with what it already carries.

@@ -9,7 +9,7 @@ use dr_core::sensor::Level;
 use super::grid::TickGrid;
 use super::table::{ChangeTable, DriveTable, OverheatAlternationTable};
 use anemometry::head::{Head, HeadElement};
-use recording::text::suggest;
+use recording::text::{suggest, tidy};
 use recording::toml_file::FileError;
 
 /// Between which temperatures the gas is, °C: the same twice for one that does not swing.
@@ -20,10 +20,8 @@ pub(super) struct GasRange {
 }
 
 impl GasRange {
-    /// As a sentence has it, without unit. Rounded, as a sum of two written numbers may have a tail
-    /// of digits.
+    /// As a sentence has it, without unit.
     fn words(self) -> String {
-        let tidy = |celsius: f64| (celsius * 1e9).round() / 1e9;
         if self.coldest_c == self.hottest_c {
             return self.coldest_c.to_string();
         }
@@ -135,9 +133,9 @@ impl DriveReader<'_> {
                 }
                 Drive::Power { power_w: power_w as f32 }
             }
-            DriveTable::TemperatureC(target_c) => {
-                Drive::Temperature { target_c: self.set_point(&format!("{key}.temperature_c"), target_c, element)? }
-            }
+            DriveTable::TemperatureC(target_c) => Drive::Temperature {
+                target_c: self.set_point(&format!("{key}.temperature_c"), target_c, None, element)?,
+            },
             DriveTable::Prbs { order, bit_time_s, seed } => {
                 let ticks_per_bit = grid.whole_ticks(&format!("{key}.prbs.bit_time_s"), bit_time_s)?;
                 // Order and seed are dr-core's to judge; the place is known here.
@@ -150,25 +148,32 @@ impl DriveReader<'_> {
             }
             DriveTable::Alternation { low_c, high_c, half_s } => {
                 let key = format!("{key}.alternation");
-                let [low_c, high_c] = self.pair(&key, "c", [low_c, high_c], element)?;
+                let [low_c, high_c] = self.pair(&key, [low_c, high_c], None, element)?;
                 let half_ticks = grid.whole_ticks(&format!("{key}.half_s"), half_s)?;
                 Drive::Alternation { low_c, high_c, half_ticks }
             }
             DriveTable::Setpoints { low_c, high_c, dwell_s, seed } => {
-                let [low_c, high_c] = self.pair(&format!("{key}.setpoints"), "c", [low_c, high_c], element)?;
+                let [low_c, high_c] = self.pair(&format!("{key}.setpoints"), [low_c, high_c], None, element)?;
                 let dwell_ticks = grid.whole_ticks(&format!("{key}.setpoints.dwell_s"), dwell_s)?;
                 Drive::Setpoints { low_c, high_c, dwell_ticks, seed }
             }
         })
     }
 
-    /// Two set-points, the lowest first, whose keys end in `unit`.
-    fn pair(&self, key: &str, unit: &str, both_c: [f64; 2], element: &HeadElement) -> Result<[f32; 2], FileError> {
-        let (low_key, high_key) = (format!("{key}.low_{unit}"), format!("{key}.high_{unit}"));
-        let low_c = self.set_point(&low_key, both_c[0], element)?;
-        let high_c = self.set_point(&high_key, both_c[1], element)?;
+    /// Two set-points, the lowest first, in °C, or in K above a temperature.
+    fn pair(
+        &self,
+        key: &str,
+        [low, high]: [f64; 2],
+        above_c: Option<f64>,
+        element: &HeadElement,
+    ) -> Result<[f32; 2], FileError> {
+        let (suffix, unit) = if above_c.is_some() { ("k", "K") } else { ("c", "°C") };
+        let (low_key, high_key) = (format!("{key}.low_{suffix}"), format!("{key}.high_{suffix}"));
+        let low_c = self.set_point(&low_key, low, above_c, element)?;
+        let high_c = self.set_point(&high_key, high, above_c, element)?;
         if low_c >= high_c {
-            let sentence = format!("is {high_c} °C: it must lie above `low_{unit}`, {low_c} °C");
+            let sentence = format!("is {high} {unit}: it must lie above `low_{suffix}`, {low} {unit}");
             return Err(self.grid.source.refuse(&high_key, sentence));
         }
         Ok([low_c, high_c])
@@ -182,15 +187,24 @@ impl DriveReader<'_> {
         drives: &mut [Drive],
         changes: &mut [DriveChange],
     ) -> Result<(), FileError> {
-        let half_ticks = self.grid.whole_ticks("overheat_alternation.half_s", table.half_s)?;
+        let half_key = "overheat_alternation.half_s";
+        let half_ticks = self.grid.whole_ticks(half_key, table.half_s)?;
+        if half_ticks >= self.grid.ticks {
+            let sentence = format!(
+                "is {} s, and the run ends before the other overheat: let it last six halves at least, or make them shorter",
+                table.half_s
+            );
+            return Err(self.grid.source.refuse(half_key, sentence));
+        }
         let gas_c = 0.5 * (self.gas.coldest_c + self.gas.hottest_c);
-        let both_c = [table.low_k, table.high_k].map(|overheat_k| gas_c + overheat_k);
+        let both_k = [table.low_k, table.high_k];
         let places = drives.iter_mut().enumerate();
         let later = changes.iter_mut().flat_map(|of| &mut of.drives).map(|(place, drive)| (*place, drive));
         let mut count = 0;
         for (place, drive) in places.chain(later) {
             if matches!(drive, Drive::Temperature { .. }) {
-                let [low_c, high_c] = self.pair("overheat_alternation", "k", both_c, &self.head.elements[place])?;
+                let element = &self.head.elements[place];
+                let [low_c, high_c] = self.pair("overheat_alternation", both_k, Some(gas_c), element)?;
                 *drive = Drive::Alternation { low_c, high_c, half_ticks };
                 count += 1;
             }
@@ -202,14 +216,21 @@ impl DriveReader<'_> {
         Ok(())
     }
 
-    /// A temperature that an element can have: above the gas at every time, and below its limit.
-    fn set_point(&self, key: &str, celsius: f64, element: &HeadElement) -> Result<f32, FileError> {
+    /// A temperature that an element can have, stated in °C, or in K above a temperature: above the
+    /// gas at every time, and below its limit.
+    fn set_point(&self, key: &str, stated: f64, above_c: Option<f64>, element: &HeadElement) -> Result<f32, FileError> {
+        let celsius = above_c.unwrap_or(0.0) + stated;
+        let is = match above_c {
+            Some(_) => format!("is {stated} K above the gas, {} °C", tidy(celsius)),
+            None => format!("is {celsius} °C"),
+        };
         let (hottest_c, limit) = element.config.hottest_set_point();
         let sentence = if celsius.is_nan() || celsius > f64::from(hottest_c) {
-            format!("is {celsius} °C: {}", beyond_limit(hottest_c, limit))
+            let most = above_c.map(|gas_c| format!(", {} K above the gas", tidy(f64::from(hottest_c) - gas_c)));
+            format!("{is}: {}{}", beyond_limit(hottest_c, limit), most.unwrap_or_default())
         } else if celsius <= self.gas.hottest_c {
             let gas = self.gas.words();
-            format!("is {celsius} °C, but the gas has {gas} °C and a heater cannot cool: it must lie above")
+            format!("{is}, but the gas has {gas} °C and a heater cannot cool: it must lie above")
         } else {
             return Ok(celsius as f32);
         };
