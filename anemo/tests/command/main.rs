@@ -11,6 +11,7 @@ mod head;
 mod long_record;
 mod losses;
 mod many_elements;
+mod process;
 mod report;
 mod steady_table;
 mod wind;
