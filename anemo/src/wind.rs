@@ -61,8 +61,8 @@ pub struct Arguments {
     /// Keep the bandwidth when the wind jumps, instead of raising it for a while.
     #[arg(long)]
     fixed: bool,
-    /// Output interval, s, a whole number of ticks; by default 0.01 or a tick. At its end stands
-    /// the estimate of that moment, no mean: --bandwidth smooths.
+    /// Output interval, s, a whole number of ticks; by default 0.01 or a tick. An estimate is that
+    /// of its moment, no mean.
     #[arg(long, value_name = "SECONDS")]
     every: Option<f64>,
     /// Gas temperature, °C, or its column; by default that of the head's reference, or the
