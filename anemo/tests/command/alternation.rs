@@ -137,8 +137,12 @@ fn overheats_that_cannot_be_are_refused_by_key() {
             "low_k = -1.0",
             "is -1 K above the gas, -54.15 °C, but the gas has -53.15 °C and a heater cannot cool",
         ),
-        ("high_k = 30.0", "high_k = 300.0", "246.85 °C: the head's limit is 70 °C, 123.15 K above the gas"),
-        ("half_s = 900.0", "half_s = 14400.0", "`overheat_alternation.half_s` is 14400 s, and the run ends before"),
+        ("high_k = 30.0", "high_k = 300.0", "246.85 °C: the head's limit is 70 °C"),
+        (
+            "half_s = 900.0",
+            "half_s = 14400.0",
+            "`overheat_alternation.half_s` is 14400 s, as long as the run or longer",
+        ),
         ("half_s = 900.0", "half_s = 900.01", "`overheat_alternation.half_s`"),
         ("half_s = 900.0", "half = 900.0", "unknown key `half`"),
     ] {

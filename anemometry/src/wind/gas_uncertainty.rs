@@ -20,7 +20,7 @@ use dr_core::wind::sphere::SECTORS;
 use recording::toml_file::FileError;
 use wire::WindSample;
 
-use super::added_uncertainty::AddedUncertainty;
+use super::added_uncertainty::add_uncertainty;
 use super::error::GasInputError;
 use super::off_line::OffLineAnemometer;
 use crate::head::calibration::checked::Calibration;
@@ -141,12 +141,9 @@ fn add(off: &WindSample, ratio: f32, axes_across: f64, estimate: &mut WindSample
     }
     let [x, y, z] = core::array::from_fn(|i| f64::from(ratio * (off.wind_m_s[i] - estimate.wind_m_s[i])));
     let turned_deg = angle_deg(off.wind_m_s.map(f64::from), estimate.wind_m_s.map(f64::from));
-    AddedUncertainty {
-        covariance_m2_s2: [x * x, y * y, z * z, x * y, x * z, y * z],
-        speed_m_s: f64::from(ratio * (off.speed_m_s - estimate.speed_m_s)),
-        direction_rad: f64::from(ratio) * turned_deg.to_radians() / axes_across.sqrt(),
-    }
-    .add_to(estimate);
+    let turned_rad = f64::from(ratio) * turned_deg.to_radians() / axes_across.sqrt();
+    let faster_m_s = f64::from(ratio * (off.speed_m_s - estimate.speed_m_s));
+    add_uncertainty(estimate, [x * x, y * y, z * z, x * y, x * z, y * z], [faster_m_s, turned_rad]);
 }
 
 #[cfg(test)]

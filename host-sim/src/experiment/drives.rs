@@ -160,23 +160,30 @@ impl DriveReader<'_> {
         })
     }
 
-    /// Two set-points, the lowest first, in °C, or in K above a temperature.
+    /// Two set-points, the lowest first, as the file states them in °C, or in K above this
+    /// temperature.
     fn pair(
         &self,
         key: &str,
-        [low, high]: [f64; 2],
-        above_c: Option<f64>,
+        both: [f64; 2],
+        gas_c: Option<f64>,
         element: &HeadElement,
     ) -> Result<[f32; 2], FileError> {
-        let (suffix, unit) = if above_c.is_some() { ("k", "K") } else { ("c", "°C") };
-        let (low_key, high_key) = (format!("{key}.low_{suffix}"), format!("{key}.high_{suffix}"));
-        let low_c = self.set_point(&low_key, low, above_c, element)?;
-        let high_c = self.set_point(&high_key, high, above_c, element)?;
-        if low_c >= high_c {
-            let sentence = format!("is {high} {unit}: it must lie above `low_{suffix}`, {low} {unit}");
-            return Err(self.grid.source.refuse(&high_key, sentence));
+        let (end, unit) = if gas_c.is_some() { ("k", "K") } else { ("c", "°C") };
+        let set_point = |which: &str, value: f64| {
+            let celsius = value + gas_c.unwrap_or(0.0);
+            let stated = format!("{value} {unit}");
+            let stated =
+                if gas_c.is_some() { format!("{stated} above the gas, {} °C", tidy(celsius)) } else { stated };
+            self.set_point(&format!("{key}.{which}_{end}"), celsius, &stated, element)
+        };
+        let [low, high] = both;
+        let both_c = [set_point("low", low)?, set_point("high", high)?];
+        if both_c[0] >= both_c[1] {
+            let sentence = format!("is {high} {unit}: it must lie above `low_{end}`, {low} {unit}");
+            return Err(self.grid.source.refuse(&format!("{key}.high_{end}"), sentence));
         }
-        Ok([low_c, high_c])
+        Ok(both_c)
     }
 
     /// Every element that holds a temperature, from its start or a change on, alternates between
@@ -190,20 +197,16 @@ impl DriveReader<'_> {
         let half_key = "overheat_alternation.half_s";
         let half_ticks = self.grid.whole_ticks(half_key, table.half_s)?;
         if half_ticks >= self.grid.ticks {
-            let sentence = format!(
-                "is {} s, and the run ends before the other overheat: let it last six halves at least, or make them shorter",
-                table.half_s
-            );
+            let sentence = format!("is {} s, as long as the run or longer: six halves show heat", table.half_s);
             return Err(self.grid.source.refuse(half_key, sentence));
         }
         let gas_c = 0.5 * (self.gas.coldest_c + self.gas.hottest_c);
-        let both_k = [table.low_k, table.high_k];
         let places = drives.iter_mut().enumerate();
         let later = changes.iter_mut().flat_map(|of| &mut of.drives).map(|(place, drive)| (*place, drive));
         let mut count = 0;
         for (place, drive) in places.chain(later) {
             if matches!(drive, Drive::Temperature { .. }) {
-                let element = &self.head.elements[place];
+                let (both_k, element) = ([table.low_k, table.high_k], &self.head.elements[place]);
                 let [low_c, high_c] = self.pair("overheat_alternation", both_k, Some(gas_c), element)?;
                 *drive = Drive::Alternation { low_c, high_c, half_ticks };
                 count += 1;
@@ -216,21 +219,15 @@ impl DriveReader<'_> {
         Ok(())
     }
 
-    /// A temperature that an element can have, stated in °C, or in K above a temperature: above the
-    /// gas at every time, and below its limit.
-    fn set_point(&self, key: &str, stated: f64, above_c: Option<f64>, element: &HeadElement) -> Result<f32, FileError> {
-        let celsius = above_c.unwrap_or(0.0) + stated;
-        let is = match above_c {
-            Some(_) => format!("is {stated} K above the gas, {} °C", tidy(celsius)),
-            None => format!("is {celsius} °C"),
-        };
+    /// A temperature that an element can have, in words as `stated`: above the gas at every time,
+    /// and below its limit.
+    fn set_point(&self, key: &str, celsius: f64, stated: &str, element: &HeadElement) -> Result<f32, FileError> {
         let (hottest_c, limit) = element.config.hottest_set_point();
         let sentence = if celsius.is_nan() || celsius > f64::from(hottest_c) {
-            let most = above_c.map(|gas_c| format!(", {} K above the gas", tidy(f64::from(hottest_c) - gas_c)));
-            format!("{is}: {}{}", beyond_limit(hottest_c, limit), most.unwrap_or_default())
+            format!("is {stated}: {}", beyond_limit(hottest_c, limit))
         } else if celsius <= self.gas.hottest_c {
             let gas = self.gas.words();
-            format!("{is}, but the gas has {gas} °C and a heater cannot cool: it must lie above")
+            format!("is {stated}, but the gas has {gas} °C and a heater cannot cool: it must lie above")
         } else {
             return Ok(celsius as f32);
         };

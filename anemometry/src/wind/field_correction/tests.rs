@@ -52,7 +52,10 @@ fn anemometer(head: &Head) -> OffLineAnemometer<'_> {
 }
 
 fn conductances_w_k(of: &OffLineAnemometer<'_>, overheat_k: f32, wind_m_s: [f32; 3]) -> [f32; MOST_SURFACES] {
-    of.anemometer().conductances(GAS_C, overheat_k, wind_m_s).unwrap().map(|of| of.conductance_w_k)
+    let of = of.anemometer();
+    let (free, rise_speed_m_s) = of.free_stream(GAS_C, overheat_k);
+    let gas = of.gas_at(GAS_C, overheat_k).unwrap();
+    of.vector().unwrap().conductances(&gas, free.met(wind_m_s, rise_speed_m_s)).map(|of| of.conductance_w_k)
 }
 
 #[test]
@@ -65,6 +68,7 @@ fn uncertain_heat_widens_by_what_it_does_to_the_wind_before_the_stem() {
     let conductance_w_k = conductances_w_k(&off_line, OVERHEAT_K, wind_m_s);
     // A tenth of a mW on the first surface, ten times.
     let gain = of.gains().next().unwrap();
+    let (free, rise_speed_m_s) = of.free_stream(GAS_C, OVERHEAT_K);
     let wind = |offset_w: f32| {
         let mut measured =
             conductance_w_k.map(|conductance_w_k| MeasuredConductance { conductance_w_k, variance_w2_k2 });
@@ -72,7 +76,7 @@ fn uncertain_heat_widens_by_what_it_does_to_the_wind_before_the_stem() {
         let measured: [_; SECTORS] = core::array::from_fn(|i| Some(measured[i]));
         let gas = of.gas_at(GAS_C, OVERHEAT_K).unwrap();
         let met = of.vector().unwrap().step(&mut WindState::default(), &gas, &measured);
-        Vector3::from(of.free_wind(GAS_C, OVERHEAT_K, met.wind_m_s).map(f64::from))
+        Vector3::from(free.wind(met.wind_m_s, rise_speed_m_s).map(f64::from))
     };
     let moved = 5.0 * (wind(1e-4) - wind(-1e-4));
     let estimate = WindTick {

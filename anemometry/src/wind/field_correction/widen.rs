@@ -8,7 +8,7 @@ use dr_core::wind::{Anemometer, QualityFlags, WindTick};
 use nalgebra::{Matrix3, SMatrix, Vector3};
 use wire::WindSample;
 
-use super::super::added_uncertainty::AddedUncertainty;
+use super::super::added_uncertainty::add_uncertainty;
 use super::correction::FieldCorrection;
 use super::smoother::ERRORS;
 
@@ -30,12 +30,8 @@ impl FieldCorrection {
         let along = Vector3::from(sample.wind_m_s.map(f64::from)) / speed_m_s;
         let along_m2_s2 = along.dot(&(added * along)).max(0.0);
         let across_rad2 = 0.5 * (added.trace() - along_m2_s2).max(0.0) / speed_m_s.powi(2);
-        AddedUncertainty {
-            covariance_m2_s2: [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(|at| added[at]),
-            speed_m_s: along_m2_s2.sqrt(),
-            direction_rad: across_rad2.sqrt(),
-        }
-        .add_to(sample);
+        let elements = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(|at| added[at]);
+        add_uncertainty(sample, elements, [along_m2_s2, across_rad2].map(f64::sqrt));
     }
 }
 
@@ -47,7 +43,10 @@ pub(super) fn by_errors<const N: usize>(
 ) -> Option<Matrix3<f64>> {
     let warm = estimate.overheat_k.iter().filter(|of| **of > 0.0);
     let overheat_k = warm.clone().sum::<f32>() / warm.count().max(1) as f32;
-    let expected = anemometer.conductances(estimate.gas_c, overheat_k, estimate.wind.wind_m_s)?;
+    let gas = anemometer.gas_at(estimate.gas_c, overheat_k)?;
+    let (free, rise_speed_m_s) = anemometer.free_stream(estimate.gas_c, overheat_k);
+    let wind_m_s = estimate.wind.wind_m_s;
+    let expected = anemometer.vector()?.conductances(&gas, free.met(wind_m_s, rise_speed_m_s));
     let gains: Vec<f64> = anemometer.gains().map(f64::from).collect();
     let (mut normal, mut pull) = (Matrix3::zeros(), SMatrix::<f64, 3, SECTORS>::zeros());
     let mut change = SMatrix::<f64, SECTORS, ERRORS>::zeros();
@@ -57,7 +56,8 @@ pub(super) fn by_errors<const N: usize>(
         if variance.is_nan() || variance <= 0.0 {
             continue;
         }
-        let gradient = Vector3::from(expected[i].gradient_w_s_k_m.map(f64::from));
+        let gradient = free.gradient(expected[i].gradient_w_s_k_m, wind_m_s, rise_speed_m_s);
+        let gradient = Vector3::from(gradient.map(f64::from));
         normal += gradient * gradient.transpose() / variance;
         pull.set_column(i, &(gradient / variance));
         change[(i, i)] = 1e-3 * gains.get(i)? / f64::from(estimate.overheat_k[i]);

@@ -2,13 +2,12 @@
 
 use super::Anemometer;
 use crate::wind::anemometer::head_inverse::HeadInverse;
-use crate::wind::form::MOST_SURFACES;
 use crate::wind::free_stream::FreeStream;
 use crate::wind::gas::GasState;
 use crate::wind::gas_law::ZERO_CELSIUS_K;
 use crate::wind::slow_errors::SurfaceCorrection;
 use crate::wind::sphere::SECTORS;
-use crate::wind::surface_inverse::{Conductance, WindVector};
+use crate::wind::surface_inverse::WindVector;
 
 impl<const N: usize> Anemometer<N> {
     /// Corrects the conductances of the first surfaces from now on.
@@ -36,30 +35,9 @@ impl<const N: usize> Anemometer<N> {
         self.gas(Some(gas_c), overheat_k)
     }
 
-    /// What surfaces of this mean overheat, K, lose in a wind far from the head, and how that
-    /// changes with it; none where [`Self::vector`] or [`Self::gas_at`] is none.
-    pub fn conductances(
-        &self,
-        gas_c: f32,
-        overheat_k: f32,
-        wind_m_s: [f32; 3],
-    ) -> Option<[Conductance; MOST_SURFACES]> {
-        let gas = self.gas_at(gas_c, overheat_k)?;
-        let (free, rise_speed_m_s) = self.free_stream(gas_c, overheat_k);
-        let conductances = self.vector()?.conductances(&gas, free.met(wind_m_s, rise_speed_m_s));
-        Some(conductances.map(|of| Conductance {
-            gradient_w_s_k_m: free.gradient(of.gradient_w_s_k_m, wind_m_s, rise_speed_m_s),
-            ..of
-        }))
-    }
-
-    /// The wind far from the head, where its surfaces, of this mean overheat, K, meet a stream.
-    pub fn free_wind(&self, gas_c: f32, overheat_k: f32, met_m_s: [f32; 3]) -> [f32; 3] {
-        let (free, rise_speed_m_s) = self.free_stream(gas_c, overheat_k);
-        free.wind(met_m_s, rise_speed_m_s)
-    }
-
-    fn free_stream(&self, gas_c: f32, overheat_k: f32) -> (FreeStream, f32) {
+    /// From the wind to the stream that surfaces of this mean overheat, K, meet, and the speed of
+    /// its rise, m/s.
+    pub fn free_stream(&self, gas_c: f32, overheat_k: f32) -> (FreeStream, f32) {
         let free = self.setup.convection.as_ref().map_or_else(FreeStream::default, |of| of.free_stream);
         let diameter_m = self.output.as_ref().map_or(0.0, |output| output.config.diameter_m);
         (free, free.rise_speed_m_s(overheat_k, gas_c + ZERO_CELSIUS_K, diameter_m))
