@@ -133,9 +133,10 @@ impl DriveReader<'_> {
                 }
                 Drive::Power { power_w: power_w as f32 }
             }
-            DriveTable::TemperatureC(target_c) => Drive::Temperature {
-                target_c: self.set_point(&format!("{key}.temperature_c"), target_c, None, element)?,
-            },
+            DriveTable::TemperatureC(target_c) => {
+                let (key, stated) = (format!("{key}.temperature_c"), format!("{target_c} °C"));
+                Drive::Temperature { target_c: self.set_point(&key, target_c, &stated, element)? }
+            }
             DriveTable::Prbs { order, bit_time_s, seed } => {
                 let ticks_per_bit = grid.whole_ticks(&format!("{key}.prbs.bit_time_s"), bit_time_s)?;
                 // Order and seed are dr-core's to judge; the place is known here.
