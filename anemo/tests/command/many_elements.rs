@@ -52,7 +52,7 @@ fn a_board_refuses_a_head_of_more_elements_than_it_has_inputs() {
     stdout(&anemo(folder, &["check", "bits.toml"]));
     for (on, most) in [("qemu", 16), ("serial", 6)] {
         let sentence = refused(folder, &["check", "bits.toml", "--on", on], 2);
-        let expected = format!("`head` cannot be used: the head has 27 elements, the board can drive {most}\n");
+        let expected = format!("`head` cannot be used: the head has 27 elements, the board can drive {most}");
         assert!(sentence.ends_with(&expected), "{sentence}");
     }
 }

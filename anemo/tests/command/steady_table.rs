@@ -1,7 +1,6 @@
 //! Calibration by a user's own table of steady winds.
 
 use std::fmt::Write as _;
-use std::path::Path;
 
 use super::process::{anemo, json, refused, stdout, words};
 
