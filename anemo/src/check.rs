@@ -26,6 +26,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         return crate::output::print_report(&DeviceCheck::new(&experiment), arguments.json);
     }
     let (experiment, judgement) = crate::output::read_experiment(&arguments.experiment, arguments.on.board())?;
+    crate::output::note_corrections(&experiment.head);
     crate::output::print_report(&CheckReport::new(&experiment, judgement), arguments.json)
 }
 

@@ -75,6 +75,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::usage("--speed: a sensor board runs in real time; leave it out"));
     }
     let (experiment, _) = crate::output::read_experiment(file, on.board())?;
+    crate::output::note_corrections(&experiment.head);
     let instrument = InstrumentArguments { on, emulation: emulation.clone(), flash: None, acknowledge: *acknowledge };
     let interrupted = on_interrupt();
     let device = if let On::Serial(device) = &instrument.on { Some(device.clone()) } else { None };

@@ -12,6 +12,7 @@ use anemometry::wind::field_correction::{FieldCorrection, SlowErrorKind};
 use anemometry::wind::gas_uncertainty::GasUncertainty;
 use anemometry::wind::given_winds;
 use anemometry::wind::{EstimatedWind, WindEstimation, WindOptions};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use recording::head_mounting::{HeadMounting, earth_numbers};
 use recording::{Metadata, RecordingLayout, RecordingReader, RecordingRow, WriterOptions, check_name, wind};
 
@@ -61,7 +62,8 @@ pub struct Arguments {
     /// Keep the bandwidth when the wind jumps, instead of raising it for a while.
     #[arg(long)]
     fixed: bool,
-    /// Output interval, s, a whole number of ticks; by default 0.01 or a tick.
+    /// Output interval, s, a whole number of ticks; by default 0.01 or a tick. An estimate is that
+    /// of its moment, no mean.
     #[arg(long, value_name = "SECONDS")]
     every: Option<f64>,
     /// Gas temperature, °C, or its column; by default that of the head's reference, or the
@@ -89,8 +91,8 @@ pub struct Arguments {
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
     settle: f64,
     /// Find slow errors of single surfaces in this recording and correct the wind by them.
-    #[arg(long, value_name = "offsets|gains|both")]
-    field_correction: Option<FieldCorrectionOption>,
+    #[arg(long, value_name = "offsets|gains|both", value_parser = kinds())]
+    field_correction: Option<SlowErrorKind>,
     /// Write a head with these corrections, a .toml file.
     #[arg(long, value_name = "FILE", requires = "field_correction")]
     write_head: Option<PathBuf>,
@@ -104,21 +106,13 @@ pub struct Arguments {
     json: bool,
 }
 
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum FieldCorrectionOption {
-    Offsets,
-    Gains,
-    Both,
-}
-
-impl From<FieldCorrectionOption> for SlowErrorKind {
-    fn from(option: FieldCorrectionOption) -> Self {
-        match option {
-            FieldCorrectionOption::Offsets => Self::Offsets,
-            FieldCorrectionOption::Gains => Self::Gains,
-            FieldCorrectionOption::Both => Self::Both,
-        }
-    }
+/// The kinds of slow errors, by their words.
+fn kinds() -> impl TypedValueParser<Value = SlowErrorKind> {
+    PossibleValuesParser::new(["offsets", "gains", "both"]).map(|word| match &*word {
+        "offsets" => SlowErrorKind::Offsets,
+        "gains" => SlowErrorKind::Gains,
+        _ => SlowErrorKind::Both,
+    })
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
@@ -146,8 +140,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         WindEstimation::new(&arguments.recording, &head, &options, table.as_ref()).map_err(Failure::usage)?;
     let mut better = None;
     if let Some(kind) = arguments.field_correction {
-        let correction = field_correction(&mut estimation, kind.into())?;
-        better = estimation.likelier_than(&correction).map(|other| {
+        while estimation.next_estimate().map_err(Failure::work)?.is_some() {}
+        let found = estimation.slow_errors(kind);
+        let (correction, other) = found.map_err(|error| Failure::work(format!("--field-correction: {error}")))?;
+        better = other.map(|other| {
             let [kind, other] = [correction.kind, other].map(SlowErrorKind::word);
             format!("--field-correction {kind}: `{other}` explain the contradictions far better")
         });
@@ -213,12 +209,6 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     crate::output::print_report(&report, arguments.json)
 }
 
-/// Slow errors of a recording, which is gone through to its end.
-fn field_correction(estimation: &mut WindEstimation<'_>, kind: SlowErrorKind) -> Result<FieldCorrection, Failure> {
-    while estimation.next_estimate().map_err(Failure::work)?.is_some() {}
-    estimation.slow_errors(kind).map_err(|error| Failure::work(format!("--field-correction: {error}")))
-}
-
 /// Writes a head with what was found, and with what it already carries.
 fn write_head(
     path: &Path,
@@ -275,10 +265,7 @@ fn metadata(arguments: &Arguments, head: &Head, estimation: &WindEstimation<'_>)
         ("output_interval_s", estimation.output.interval_s.to_string()),
         ("counted_from_s", arguments.from.to_string()),
         ("settle_s", arguments.settle.to_string()),
-        (
-            "field_correction",
-            arguments.field_correction.map_or("none", |kind| SlowErrorKind::from(kind).word()).to_owned(),
-        ),
+        ("field_correction", arguments.field_correction.map_or("none", SlowErrorKind::word).to_owned()),
         ("recording", recording),
         ("software", format!("anemo {}", env!("CARGO_PKG_VERSION"))),
     ];

@@ -224,6 +224,15 @@ fn wind_estimates_by_themselves_have_a_figure_of_their_own() {
 }
 
 #[test]
+fn azimuths_of_a_head_with_a_heading_state_where_north_is() {
+    // x points to north-west: north is an eighth of a turn to the right of it.
+    for (heading, said) in [("", "goes to<"), ("# heading_deg: 315\n", "goes to; north is -45°<")] {
+        let svg = drawn(&estimates(&SECTORS, heading, |_| 0));
+        assert!(svg.contains(said), "{said}");
+    }
+}
+
+#[test]
 fn an_estimate_without_direction_leaves_a_gap_and_still_has_a_speed() {
     let recording = estimates(&SECTORS, "", |n| if (100..300).contains(&n) { 32 } else { 0 });
     let figure = run::figure(&recording).unwrap();

@@ -124,6 +124,12 @@ impl HeadMounting {
         [ahead * sin - left * cos, ahead * cos + left * sin, dot(vector, self.up)]
     }
 
+    /// North, in the head's frame.
+    pub fn north(&self) -> [f64; 3] {
+        let (sin, cos) = self.heading_deg.to_radians().sin_cos();
+        std::array::from_fn(|axis| cos * self.ahead[axis] + sin * self.left[axis])
+    }
+
     /// Direction from which a wind with this vector in the head's frame blows, °.
     pub fn from_deg(&self, wind_m_s: [f64; 3]) -> f64 {
         from_deg(self.earth(wind_m_s))
@@ -201,6 +207,8 @@ mod tests {
         let hanging = HeadMounting::new(0.0, Some([0.0, 0.0, -2.0])).unwrap();
         near(hanging.earth([0.0, 1.0, 0.0]), [1.0, 0.0, 0.0]);
         near(hanging.earth([1.0, 0.0, 1.0]), [0.0, 1.0, -1.0]);
+        let east = HeadMounting::new(90.0, Some([0.3, 0.1, -2.0])).unwrap();
+        near(east.earth(east.north()), [0.0, 1.0, 0.0]);
     }
 
     #[test]

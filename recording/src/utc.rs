@@ -30,6 +30,11 @@ pub fn from_rfc3339(text: &str) -> Option<f64> {
     from_text(text).filter(|(_, states_zone)| *states_zone).map(|(seconds, _)| seconds)
 }
 
+/// Whether a text is a day as `2026-03-01`.
+pub fn is_day(text: &str) -> bool {
+    text.len() == "2026-03-01".len() && text.get(4..5) == Some("-") && from_text(text).is_some()
+}
+
 /// Seconds since 1970 of a moment in ISO 8601, and whether it states its zone; without, it is taken
 /// for UTC.
 ///

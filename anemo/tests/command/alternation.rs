@@ -2,18 +2,10 @@
 //! written into the head, and taken out of other recordings by it.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
 use serde_json::Value;
 
-fn anemo(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_anemo")).args(arguments).current_dir(folder).output().unwrap()
-}
-
-fn stdout(output: &Output) -> String {
-    assert!(output.status.success(), "{output:?}");
-    String::from_utf8(output.stdout.clone()).unwrap()
-}
+use super::process::{anemo, stdout};
 
 fn shipped(name: &str) -> String {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../experiments/field").join(name);
@@ -105,7 +97,8 @@ fn heat_of_one_surface_is_found_in_turbulence_about_one_direction_and_goes_with_
         // What is applied already is not found again, and a run says that it is.
         let again = wind(folder, &[&[&format!("{name}.parquet")[..]], &OFFSETS[..], &["--head", &head]].concat());
         assert_eq!(again["slow_errors"]["is_applied"], false, "{}", again["slow_errors"]);
-        let with_head = replaced(&text, &[("duration_s = ", "duration_s = 60.0 # ")]);
+        let with_head =
+            replaced(&text, &[("duration_s = ", "duration_s = 60.0 # "), ("half_s = ", "half_s = 30.0 # ")]);
         let own = format!("head = {head:?} #");
         let said = run(folder, "once-more", &replaced(&with_head, &[("head = ", &own)]));
         assert!(said.contains("are applied, by offsets in"), "{said}");
@@ -138,14 +131,23 @@ fn overheats_that_cannot_be_are_refused_by_key() {
     let folder = tempfile::tempdir().unwrap();
     let text = shipped("alternation.toml");
     for (from, to, said) in [
-        ("low_k = 15.0", "low_k = 31.0", "`overheat_alternation.high_k` is"),
-        ("low_k = 15.0", "low_k = -1.0", "a heater cannot cool"),
-        ("high_k = 30.0", "high_k = 300.0", "the head's limit is 70 °C"),
+        ("low_k = 15.0", "low_k = 31.0", "`overheat_alternation.high_k` is 30 K: it must lie above `low_k`, 31 K"),
+        (
+            "low_k = 15.0",
+            "low_k = -1.0",
+            "is -1 K above the gas, -54.15 °C, but the gas has -53.15 °C and a heater cannot cool",
+        ),
+        ("high_k = 30.0", "high_k = 300.0", "246.85 °C: the head's limit is 70 °C"),
+        (
+            "half_s = 900.0",
+            "half_s = 14400.0",
+            "`overheat_alternation.half_s` is 14400 s, as long as the run or longer",
+        ),
         ("half_s = 900.0", "half_s = 900.01", "`overheat_alternation.half_s`"),
         ("half_s = 900.0", "half = 900.0", "unknown key `half`"),
     ] {
         std::fs::write(folder.path().join("e.toml"), replaced(&text, &[(from, to)])).unwrap();
-        let output = anemo(folder.path(), &["run", "e.toml", "--on", "sim"]);
+        let output = anemo(folder.path(), &["check", "e.toml"]);
         let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(output.status.code() == Some(2) && stderr.contains(said), "{from}: {stderr}");
     }

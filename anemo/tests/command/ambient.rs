@@ -3,19 +3,10 @@
 
 use std::fmt::Write as _;
 use std::path::Path;
-use std::process::{Command, Output};
+
+use super::process::{anemo, json};
 
 const PERIOD_S: f64 = 1.0;
-
-fn anemo(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_anemo")).args(arguments).current_dir(folder).output().unwrap()
-}
-
-fn json(folder: &Path, arguments: &[&str]) -> serde_json::Value {
-    let output = anemo(folder, arguments);
-    assert!(output.status.success(), "{output:?}");
-    serde_json::from_slice(&output.stdout).unwrap()
-}
 
 /// A body of 25 K/W and 40 s in a room that it follows with 300 s, heated by random bits, with
 /// 10 mK of noise: rows of it, by their numbers.

@@ -1,9 +1,11 @@
 //! The command from outside: exit codes, sentences, and that nothing half-written is left.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 
 use tempfile::TempDir;
+
+use super::process::anemo;
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
@@ -11,11 +13,6 @@ fn root() -> PathBuf {
 
 fn experiment(name: &str) -> String {
     root().join("experiments").join(name).display().to_string()
-}
-
-fn anemo(folder: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_anemo"));
-    command.args(arguments).current_dir(folder).env_remove("ANEMO_FIRMWARE").output().unwrap()
 }
 
 /// The code, and the only line on stderr.

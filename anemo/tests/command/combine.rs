@@ -2,10 +2,11 @@
 
 use std::fmt::Write as _;
 use std::path::Path;
-use std::process::{Command, Output};
 
 use recording::Recording;
 use serde_json::Value;
+
+use super::process::{self, json, stdout, words};
 
 /// Rows of a wind, a second apart.
 const ROWS: usize = 6;
@@ -13,21 +14,16 @@ const ROWS: usize = 6;
 const COLUMNS: &str = "time_s,event,true_wind_x_m_s,true_wind_y_m_s,true_wind_z_m_s,wind_x_m_s,wind_y_m_s,wind_z_m_s,wind_speed_m_s,\
                        wind_speed_u_m_s,wind_direction_u_deg";
 
-fn anemo(folder: &Path, line: &str) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_anemo"));
-    command.args(line.split(' ')).current_dir(folder).output().unwrap()
+fn done(folder: &Path, line: &str) -> String {
+    stdout(&process::anemo(folder, &words(line)))
 }
 
 fn printed(folder: &Path, line: &str) -> Value {
-    let output = anemo(folder, line);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
+    json(folder, &words(line))
 }
 
 fn refused(folder: &Path, line: &str, code: i32) -> String {
-    let output = anemo(folder, line);
-    assert_eq!(output.status.code(), Some(code), "{line}");
-    String::from_utf8(output.stderr).unwrap().trim_end().to_owned()
+    process::refused(folder, &words(line), code)
 }
 
 /// The n-th wind of the plane of x and y, after still gas; `seed` turns all of them.
@@ -100,7 +96,7 @@ fn needles_a_film_and_a_vane_know_together_what_none_knows_alone() {
     assert_eq!(again["instruments"][0]["components"], 2);
 
     // Without the vane four winds look alike.
-    let text = String::from_utf8(anemo(folder, "combine needles-known.csv --settle 2").stdout).unwrap();
+    let text = done(folder, "combine needles-known.csv --settle 2");
     assert!(text.contains("1 instrument in 100 known winds across (0, 0, "), "{text}");
     printed(folder, "combine needles-known.csv film-known.csv --settle 2 -o two.json --json");
     let two = printed(folder, "combine needles-new.csv film-new.csv --settle 2 --by two.json --json");
@@ -139,7 +135,7 @@ fn what_cannot_be_combined_is_refused() {
             "anemo: one.json: is of 1 file and 0 vanes, and 2 files and 0 vanes are given",
         ),
     ];
-    assert!(anemo(folder, "combine needles-known.csv -o one.json").status.success());
+    done(folder, "combine needles-known.csv -o one.json");
     for (line, code, sentence) in refusals {
         assert_eq!(refused(folder, line, code), sentence, "{line}");
     }

@@ -1,11 +1,9 @@
 //! The self-test of the currents, from outside.
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
-fn anemo(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_anemo")).args(arguments).current_dir(folder).output().unwrap()
-}
+use super::process::anemo;
 
 /// `gusts.toml` with noise as at 1 kHz and two elements whose currents are off, by this head.
 fn experiment(folder: &Path, name: &str, head: &Path) {

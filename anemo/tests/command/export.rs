@@ -1,16 +1,8 @@
 //! `anemo export` and `anemo reduce` from outside: files, defaults, sentences.
 
 use std::path::Path;
-use std::process::{Command, Output};
 
-fn anemo(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_anemo")).args(arguments).current_dir(folder).output().unwrap()
-}
-
-fn text(output: &Output) -> String {
-    assert!(output.status.success(), "{output:?}");
-    String::from_utf8(output.stdout.clone()).unwrap()
-}
+use super::process::{anemo, stdout};
 
 /// One pair of ten poles, 0.05 … 50 rad/s, falling from 30 K/W by half each.
 fn model(folder: &Path) {
@@ -42,17 +34,17 @@ fn every_form_goes_to_stdout_and_the_same_into_a_file() {
     let folder = folder.path();
     model(folder);
     for form in ["foster", "cauer", "spice", "response", "symbol", "structure", "c", "rust"] {
-        let printed = text(&anemo(folder, &["export", "m.json", "--as", form]));
-        let summary = text(&anemo(folder, &["export", "m.json", "--as", form, "-o", "x"]));
+        let printed = stdout(&anemo(folder, &["export", "m.json", "--as", form]));
+        let summary = stdout(&anemo(folder, &["export", "m.json", "--as", form, "-o", "x"]));
         assert!(summary.contains("class all: x"), "{summary}");
         assert_eq!(std::fs::read_to_string(folder.join("x")).unwrap(), printed);
-        let json = text(&anemo(folder, &["export", "m.json", "--as", form, "--json"]));
+        let json = stdout(&anemo(folder, &["export", "m.json", "--as", form, "--json"]));
         let json: serde_json::Value = serde_json::from_str(&json).unwrap();
         assert!(json["rows"].is_array() || json["text"] == printed, "{json}");
         assert!(printed.contains("sector1") && printed.lines().count() > 10, "{printed}");
     }
     assert_eq!(
-        text(&anemo(folder, &["export", "m.json", "--as", "response", "--points", "7", "--json"]))
+        stdout(&anemo(folder, &["export", "m.json", "--as", "response", "--points", "7", "--json"]))
             .matches("],[")
             .count(),
         6
@@ -65,14 +57,14 @@ fn a_reduced_model_is_a_model_and_its_table_an_experiments() {
     let folder = folder.path();
     model(folder);
     let json =
-        text(&anemo(folder, &["reduce", "m.json", "--order", "4", "-o", "s.json", "--toml", "s.toml", "--json"]));
+        stdout(&anemo(folder, &["reduce", "m.json", "--order", "4", "-o", "s.json", "--toml", "s.toml", "--json"]));
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     let lost = json["losses"][0]["levels"]["rms_share"].as_f64().unwrap();
     // Ten poles over three decades with four: well under a hundredth.
     assert!(lost > 0.0 && lost < 1e-2, "{lost}");
     let small = diffusive::model::Model::read(&folder.join("s.json")).unwrap();
     assert_eq!(small.pairs[0].mesh_rad_s.len(), 4);
-    assert!(text(&anemo(folder, &["export", "s.json", "--as", "cauer"])).lines().count() > 4);
+    assert!(stdout(&anemo(folder, &["export", "s.json", "--as", "cauer"])).lines().count() > 4);
     let head = Path::new(env!("CARGO_MANIFEST_DIR")).join("../heads/sphere-b.toml");
     let head = anemometry::head::Head::read(&head).unwrap();
     let models = host_sim::experiment::models::Models::read(&folder.join("s.toml"), &head).unwrap();

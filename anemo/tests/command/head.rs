@@ -1,16 +1,8 @@
 //! `anemo head new` and `head check`: from nothing to a head that runs.
 
 use std::path::Path;
-use std::process::{Command, Output};
 
-fn anemo(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_anemo")).args(arguments).current_dir(folder).output().unwrap()
-}
-
-fn stdout(output: &Output) -> String {
-    assert!(output.status.success(), "{output:?}");
-    String::from_utf8(output.stdout.clone()).unwrap()
-}
+use super::process::{anemo, stdout};
 
 #[test]
 fn every_kind_is_a_head_that_is_checked_and_held_in_winds_at_once() {

@@ -2,20 +2,11 @@
 
 use std::fmt::Write as _;
 use std::path::Path;
-use std::process::{Command, Output};
+
+use super::process::{anemo, json};
 
 const GROWTH_PER_K: f64 = 0.003;
 const CONDUCTANCE_W_PER_K: f64 = 0.05;
-
-fn anemo(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_anemo")).args(arguments).current_dir(folder).output().unwrap()
-}
-
-fn json(folder: &Path, arguments: &[&str]) -> serde_json::Value {
-    let output = anemo(folder, arguments);
-    assert!(output.status.success(), "{output:?}");
-    serde_json::from_slice(&output.stdout).unwrap()
-}
 
 fn sentence(folder: &Path, arguments: &[&str]) -> String {
     let output = anemo(folder, arguments);

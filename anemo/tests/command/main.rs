@@ -13,6 +13,7 @@ mod laws;
 mod long_record;
 mod losses;
 mod many_elements;
+mod process;
 mod report;
 mod steady_table;
 mod wind;

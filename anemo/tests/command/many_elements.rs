@@ -2,27 +2,12 @@
 
 use std::fmt::Write as _;
 use std::path::Path;
-use std::process::{Command, Output};
 
-fn anemo(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_anemo")).args(arguments).current_dir(folder).output().unwrap()
-}
-
-fn done(folder: &Path, arguments: &[&str]) -> String {
-    let output = anemo(folder, arguments);
-    assert!(output.status.success(), "{output:?}");
-    String::from_utf8(output.stdout).unwrap()
-}
-
-fn refused(folder: &Path, arguments: &[&str]) -> String {
-    let output = anemo(folder, arguments);
-    assert_eq!(output.status.code(), Some(2), "{output:?}");
-    String::from_utf8(output.stderr).unwrap()
-}
+use super::process::{anemo, refused, stdout};
 
 /// A sphere of 24 sectors with two cores and a reference, every sector driven by its own bits.
 fn sphere(folder: &Path) {
-    done(folder, &["head", "new", "ball", "--kind", "sphere", "--sectors", "24"]);
+    stdout(&anemo(folder, &["head", "new", "ball", "--kind", "sphere", "--sectors", "24"]));
     let mut text = "title = \"bits\"\nhead = \"ball/head.toml\"\nsample_period_s = 0.01\nduration_s = 3.0\n\n[gas]\nspecies = \"co2\"\n\
                     pressure_pa = 1000.0\ntemperature_c = -53.15\n\n[drives]\ncore1 = { temperature_c = -40.0 }\n"
         .to_owned();
@@ -38,7 +23,7 @@ fn all_elements_of_a_large_head_are_driven_and_recorded() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     sphere(folder);
-    let text = done(folder, &["run", "bits.toml", "--on", "sim", "-o", "bits.csv"]);
+    let text = stdout(&anemo(folder, &["run", "bits.toml", "--on", "sim", "-o", "bits.csv"]));
     assert!(text.contains("300 ticks, 3 s; 0 lost"), "{text}");
     let csv = std::fs::read_to_string(folder.join("bits.csv")).unwrap();
     let mut rows = csv.lines().filter(|line| !line.starts_with('#'));
@@ -56,7 +41,7 @@ fn all_elements_of_a_large_head_are_driven_and_recorded() {
         assert!(temperature_c.last() > temperature_c.first(), "sector{sector}");
     }
     assert!(all("heater_reference").iter().all(|level| *level == 0.0));
-    done(folder, &["plot", "bits.csv", "-o", "bits.svg"]);
+    stdout(&anemo(folder, &["plot", "bits.csv", "-o", "bits.svg"]));
 }
 
 #[test]
@@ -64,10 +49,10 @@ fn a_board_refuses_a_head_of_more_elements_than_it_has_inputs() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     sphere(folder);
-    done(folder, &["check", "bits.toml"]);
+    stdout(&anemo(folder, &["check", "bits.toml"]));
     for (on, most) in [("qemu", 16), ("serial", 6)] {
-        let sentence = refused(folder, &["check", "bits.toml", "--on", on]);
-        let expected = format!("`head` cannot be used: the head has 27 elements, the board can drive {most}\n");
+        let sentence = refused(folder, &["check", "bits.toml", "--on", on], 2);
+        let expected = format!("`head` cannot be used: the head has 27 elements, the board can drive {most}");
         assert!(sentence.ends_with(&expected), "{sentence}");
     }
 }
@@ -84,13 +69,13 @@ fn there_are_64_elements_at_most() {
         std::fs::write(&path, text.replacen("[body]", &(more.collect::<String>() + "[body]"), 1)).unwrap();
     };
     with(38);
-    let sentence = refused(folder, &["check", "bits.toml"]);
+    let sentence = refused(folder, &["check", "bits.toml"], 2);
     assert!(
         sentence.contains("head.toml, line ") && sentence.contains("`elements` are 65: a head has 1 to 64"),
         "{sentence}"
     );
     with(37);
     // Its body knows nothing of the spare ones.
-    let sentence = refused(folder, &["check", "bits.toml"]);
+    let sentence = refused(folder, &["check", "bits.toml"], 2);
     assert!(!sentence.contains("`elements` are") && sentence.contains("spare0"), "{sentence}");
 }

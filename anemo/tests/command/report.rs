@@ -2,11 +2,12 @@
 
 use std::fmt::Write as _;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
+
+use super::process::anemo;
 
 fn identify(folder: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_anemo"));
-    command.arg("identify").args(arguments).current_dir(folder).output().unwrap()
+    anemo(folder, &[&["identify"], arguments].concat())
 }
 
 /// One relaxation of 10 s after a single step, for hardly longer than that.

@@ -1,30 +1,11 @@
 //! Calibration by a user's own table of steady winds.
 
 use std::fmt::Write as _;
-use std::path::Path;
-use std::process::{Command, Output};
 
-use serde_json::Value;
+use super::process::{anemo, json, refused, stdout, words};
 
 const GAS: &str = "gas_temperature_c,gas_pressure_pa,gas_species";
 const AIR: &str = "20,101325,air";
-
-fn anemo(folder: &Path, line: &str) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_anemo"));
-    command.args(line.split(' ')).current_dir(folder).output().unwrap()
-}
-
-fn calibrated(folder: &Path, line: &str) -> Value {
-    let output = anemo(folder, line);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
-}
-
-fn refused(folder: &Path, line: &str) -> String {
-    let output = anemo(folder, line);
-    assert_eq!(output.status.code(), Some(2), "{line}");
-    String::from_utf8(output.stderr).unwrap().trim_end().to_owned()
-}
 
 /// A hot wire 30 K above the gas that obeys King's law, in speeds that are known to 0.2 %.
 fn hot_wire(still: bool, exponent: f64) -> String {
@@ -46,11 +27,11 @@ fn hot_wire(still: bool, exponent: f64) -> String {
 fn kings_law_is_found_in_twenty_speeds_with_and_without_still_gas() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    assert!(anemo(folder, "head new wire --kind wire").status.success());
+    stdout(&anemo(folder, &words("head new wire --kind wire")));
     for (still, exponent) in [(true, 0.45), (false, 0.45), (true, 0.5)] {
         std::fs::write(folder.join("speeds.csv"), hot_wire(still, exponent)).unwrap();
         let line = "calibrate speeds.csv --head wire/head.toml --time-constant 0.2 --law king -o hot-wire.toml --json";
-        let report = calibrated(folder, line);
+        let report = json(folder, &words(line));
         let found = report["king"]["exponent"].as_f64().unwrap();
         assert!((found / exponent - 1.0).abs() < 0.01, "{found} for {exponent}");
         // Of speeds that are only known to 0.2 %.
@@ -65,7 +46,7 @@ fn kings_law_is_found_in_twenty_speeds_with_and_without_still_gas() {
 fn crossed_wires_are_calibrated_by_speed_and_angle() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    assert!(anemo(folder, "head new cross --kind crossed-wires").status.success());
+    stdout(&anemo(folder, &words("head new cross --kind crossed-wires")));
     let mut table = format!(
         "event,speed_m_s,angle_deg,power_w_film1,temperature_c_film1,power_w_film2,temperature_c_film2,{GAS}\n\
          still,0,0,0.01,50,0.01,50,{AIR}\n"
@@ -82,12 +63,13 @@ fn crossed_wires_are_calibrated_by_speed_and_angle() {
         writeln!(table, "w{n},{speed_m_s},{angle_deg},{},50,{},50,{AIR}", power_w[0], power_w[1]).unwrap();
     }
     std::fs::write(folder.join("winds.csv"), table).unwrap();
-    let report = calibrated(folder, "calibrate winds.csv --head cross/head.toml --time-constant 0.2 --law king --json");
+    let report =
+        json(folder, &words("calibrate winds.csv --head cross/head.toml --time-constant 0.2 --law king --json"));
     assert!((report["king"]["exponent"].as_f64().unwrap() - 0.45).abs() < 5e-3, "{report}");
     assert!((report["king"]["yaw_factor"].as_f64().unwrap() - 0.2).abs() < 0.03, "{report}");
     let errors = &report["cross_validated_directions"];
     assert!(errors["direction_rms_error_deg"].as_f64().unwrap() < 1.0, "{report}");
-    let refusal = refused(folder, "calibrate winds.csv --head cross/head.toml");
+    let refusal = refused(folder, &words("calibrate winds.csv --head cross/head.toml"), 2);
     assert!(refusal.contains("--network"), "{refusal}");
 }
 
@@ -95,7 +77,7 @@ fn crossed_wires_are_calibrated_by_speed_and_angle() {
 fn what_a_table_lacks_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    assert!(anemo(folder, "head new wire --kind wire").status.success());
+    stdout(&anemo(folder, &words("head new wire --kind wire")));
     let line = "calibrate speeds.csv --head wire/head.toml --time-constant 0.2";
     for (from, to, sentence) in [
         ("air\n", "argon\n", "has the gas `argon`; `air` and `co2` are known"),
@@ -107,12 +89,12 @@ fn what_a_table_lacks_is_named() {
         ("0,0.012,50", "0,0.012,19", "`film` is in some row without power, or not warmer than the gas"),
     ] {
         std::fs::write(folder.join("speeds.csv"), hot_wire(true, 0.45).replace(from, to)).unwrap();
-        let refusal = refused(folder, line);
+        let refusal = refused(folder, &words(line), 2);
         assert!(refusal.contains(sentence), "{refusal}");
     }
     std::fs::write(folder.join("speeds.csv"), hot_wire(true, 0.45)).unwrap();
-    let refusal = refused(folder, &format!("{line} --winds speeds.csv"));
+    let refusal = refused(folder, &words(&format!("{line} --winds speeds.csv")), 2);
     assert!(refusal.contains("a table of steady winds has its winds"), "{refusal}");
-    let refusal = refused(folder, "calibrate speeds.csv --head wire/head.toml --time-constant 0");
+    let refusal = refused(folder, &words("calibrate speeds.csv --head wire/head.toml --time-constant 0"), 2);
     assert!(refusal.contains("--time-constant"), "{refusal}");
 }

@@ -1,18 +1,10 @@
 //! `anemo wind` beside tables of winds, gases and operating modes that do not fit, from outside.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
-fn anemo(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_anemo")).args(arguments).current_dir(folder).output().unwrap()
-}
-
-fn stdout(output: &Output) -> String {
-    assert!(output.status.success(), "{output:?}");
-    String::from_utf8(output.stdout.clone()).unwrap()
-}
+use super::process::{anemo, stdout};
 
 /// Three seconds of a calibrated sphere in the winds `a` and `b`, `r.parquet`; `drive` of each
 /// element.
@@ -117,4 +109,39 @@ fn the_uncertainty_of_the_gas_goes_into_that_of_the_wind() {
         let refused = refused(folder, &["wind", "r.parquet", &format!("--gas-uncertainty={not}")]);
         assert!(refused.contains("it must be 0 or a positive number"), "{refused}");
     }
+}
+
+#[test]
+fn corrections_that_a_head_carries_are_announced_by_what_applies_them() {
+    let folder = recorded("{ temperature_c = -23.15 }");
+    let folder = folder.path();
+    let text = std::fs::read_to_string(folder.join("e.toml")).unwrap();
+    let (_, path) = text.split_once("head = \"").unwrap();
+    let path = path.split_once('"').unwrap().0;
+    let surface = |n: usize| {
+        format!(
+            "[[calibration.correction.surfaces]]\nelement = \"sector{n}\"\noffset_w = 1e-3\noffset_u_w = 1e-4\n\
+             gain_change = 0.0\ngain_change_u = 0.0\n"
+        )
+    };
+    let head = std::fs::read_to_string(path).unwrap()
+        + "[calibration.correction]\nmade_from = \"offsets in sun\"\nmade_on = \"2026-03-01\"\n"
+        + &(1..=4).map(surface).collect::<String>();
+    std::fs::write(folder.join("h.toml"), head).unwrap();
+    std::fs::write(folder.join("e.toml"), text.replace(path, "h.toml")).unwrap();
+    for arguments in [&["check", "e.toml"][..], &["live", "e.toml", "--on", "sim", "--speed", "1000"]] {
+        let output = anemo(folder, arguments);
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success() && stderr.contains("corrections of 2026-03-01 are applied"), "{stderr}");
+    }
+}
+
+#[test]
+fn a_check_prints_angles_without_a_tail_of_digits() {
+    let folder = recorded("{ temperature_c = -23.15 }");
+    let path = folder.path().join("e.toml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, text.replacen("azimuth_deg = 225.0", "azimuth_deg = 54.735610317245346", 1)).unwrap();
+    let printed = stdout(&anemo(folder.path(), &["check", "e.toml"]));
+    assert!(printed.contains("towards 54.7356° azimuth"), "{printed}");
 }

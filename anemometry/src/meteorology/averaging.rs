@@ -102,12 +102,13 @@ impl Averager<'_> {
         let Some(OpenInterval { number, estimates, truth }) = self.current.take() else { return };
         let interval_s = self.options.interval_s;
         let begin_s = self.options.from_s + number as f64 * interval_s;
+        let statistics = estimates.statistics(begin_s, interval_s, self.eddy.as_ref());
         self.intervals.push(MeanInterval {
             begin_s,
             end_s: begin_s + interval_s,
             valid_share: estimates.share(interval_s),
-            left_out_by: estimates.left_out_by(interval_s),
-            statistics: estimates.statistics(begin_s, interval_s, self.eddy.as_ref()),
+            left_out_by: if statistics.is_none() { estimates.left_out_by(interval_s) } else { None },
+            statistics,
             truth: truth.statistics(begin_s, interval_s, self.eddy.as_ref()),
         });
     }
@@ -225,13 +226,14 @@ mod tests {
         }
     }
 
-    /// Seven minutes at 2 Hz: 4 m/s towards x, then 6 m/s; the third interval is flagged for half.
+    /// Seven minutes at 2 Hz: 4 m/s towards x, then 6 m/s; the first five seconds and half of the
+    /// third interval are flagged.
     fn table(folder: &Path) -> std::path::PathBuf {
         let path = folder.join("winds.csv");
         let mut text = String::from("time_s,wind_x_m_s,wind_y_m_s,wind_z_m_s,wind_speed_m_s,quality_flags\n");
         for n in 0..840 {
             let (time_s, x) = (0.5 * f64::from(n), if n < 240 { 4.0 } else { 6.0 });
-            let flags = if (480..600).contains(&n) { 8192 } else { 0 };
+            let flags = if n < 10 || (480..600).contains(&n) { 8192 } else { 0 };
             text += &format!("{time_s},{x},0,0,{x},{flags}\n");
             // Rows between estimates, as a run at 1 kHz has them.
             text += &format!("{},,,,,\n", time_s + 0.25);
@@ -250,6 +252,8 @@ mod tests {
         let speed = |n: usize| report.intervals[n].statistics.as_ref().map(|of| of.mean_speed_m_s);
         assert_eq!([speed(0), speed(1), speed(2), speed(3)], [Some(4.0), Some(6.0), None, None]);
         assert!((report.intervals[2].valid_share - 0.5).abs() < 1e-9 && report.intervals[3].valid_share < 0.51);
+        let left_out: Vec<_> = report.intervals.iter().map(|of| of.left_out_by).collect();
+        assert_eq!(left_out, [None, None, Some("inconsistent"), None]);
         assert_eq!(report.intervals[0].statistics.as_ref().unwrap().wind_from_deg, Some(180.0));
         let later = average(&path, &AveragingOptions { from_s: 60.0, ..options() }).unwrap();
         // Half of 4 and half of 6 m/s.

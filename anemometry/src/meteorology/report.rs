@@ -26,7 +26,8 @@ pub struct MeanInterval {
     pub end_s: f64,
     /// Share of the estimates that count.
     pub valid_share: f64,
-    /// The flag for which most of the others do not; none where more rows lack.
+    /// Of an interval without statistics, the flag for which most do not; none where more rows
+    /// lack.
     pub left_out_by: Option<&'static str>,
     /// None where too few estimates count.
     pub statistics: Option<WindStatistics>,

@@ -189,11 +189,25 @@ impl<'a> WindEstimation<'a> {
         Self { correction: Some(correction), ..self }
     }
 
-    /// Slow errors of such a kind in the estimates so far.
+    /// Slow errors of such a kind in the estimates so far, and the kind that explains the
+    /// contradictions far better, if one does.
     ///
     /// # Errors
     /// If the head has no number to spare, or the recording no wind that says something.
-    pub fn slow_errors(&self, kind: SlowErrorKind) -> Result<FieldCorrection, SlowErrorsUnknown> {
+    pub fn slow_errors(
+        &self,
+        kind: SlowErrorKind,
+    ) -> Result<(FieldCorrection, Option<SlowErrorKind>), SlowErrorsUnknown> {
+        let found = self.find(kind)?;
+        let other = kind.other().and_then(|other| self.find(other).ok());
+        let better = other.filter(|other| {
+            let (better, as_likely) = FieldCorrection::likelier(&found, other);
+            better.kind == other.kind && as_likely.is_none() && other.explains()
+        });
+        Ok((found, better.map(|of| of.kind)))
+    }
+
+    fn find(&self, kind: SlowErrorKind) -> Result<FieldCorrection, SlowErrorsUnknown> {
         FieldCorrection::find(&self.evidence, self.anemometer.anemometer(), kind, self.output.bandwidth_hz)
     }
 
@@ -212,18 +226,6 @@ impl<'a> WindEstimation<'a> {
         Ok(self.calibration.with_corrections(&whole, found, day, self.head)?.0)
     }
 
-    /// The kind that explains the contradictions far better than that which was sought, if one
-    /// does.
-    pub fn likelier_than(&self, correction: &FieldCorrection) -> Option<SlowErrorKind> {
-        let other = match correction.kind {
-            SlowErrorKind::Offsets => SlowErrorKind::Gains,
-            SlowErrorKind::Gains => SlowErrorKind::Offsets,
-            SlowErrorKind::Both => return None,
-        };
-        let (better, as_likely) = FieldCorrection::likelier(correction.clone(), self.slow_errors(other).ok()?);
-        (better.kind == other && as_likely.is_none() && better.explains()).then_some(other)
-    }
-
     /// The slow errors that were corrected, or those that explain why estimates contradict
     /// themselves.
     fn slow_error_report(&self) -> Option<SlowErrorReport> {
@@ -235,17 +237,18 @@ impl<'a> WindEstimation<'a> {
         if (inconsistent as f64) < OFTEN * counted.estimates as f64 {
             return None;
         }
-        let [offsets, gains] = [SlowErrorKind::Offsets, SlowErrorKind::Gains].map(|kind| self.slow_errors(kind).ok());
-        let (better, other) = FieldCorrection::likelier(offsets?, gains?);
+        let [offsets, gains] = [SlowErrorKind::Offsets, SlowErrorKind::Gains].map(|kind| self.find(kind).ok());
+        let (offsets, gains) = (offsets?, gains?);
+        let (better, other) = FieldCorrection::likelier(&offsets, &gains);
         let names = self.surfaces();
         let unexplained = |of: &FieldCorrection| !of.explains() || of.chi_square[1] > MOST_LEFT;
-        if unexplained(&better)
-            && let Some(both) = self.slow_errors(SlowErrorKind::Both).ok().filter(|both| !unexplained(both))
+        if unexplained(better)
+            && let Some(both) = self.find(SlowErrorKind::Both).ok().filter(|both| !unexplained(both))
         {
             return Some(SlowErrorReport::of(&both, &names, false));
         }
-        let other = other.filter(FieldCorrection::explains).map(|of| SlowErrorReport::of(&of, &names, false).words());
-        better.explains().then(|| SlowErrorReport { as_likely: other, ..SlowErrorReport::of(&better, &names, false) })
+        let other = other.filter(|of| of.explains()).map(|of| SlowErrorReport::of(of, &names, false).words());
+        better.explains().then(|| SlowErrorReport { as_likely: other, ..SlowErrorReport::of(better, &names, false) })
     }
 
     /// The next estimate; none after the last row.

@@ -20,6 +20,7 @@ use dr_core::wind::sphere::SECTORS;
 use recording::toml_file::FileError;
 use wire::WindSample;
 
+use super::added_uncertainty::add_uncertainty;
 use super::error::GasInputError;
 use super::off_line::OffLineAnemometer;
 use crate::head::calibration::checked::Calibration;
@@ -138,15 +139,11 @@ fn add(off: &WindSample, ratio: f32, axes_across: f64, estimate: &mut WindSample
     if unknown.iter().any(|&flag| estimate.quality_flags.has(flag) || off.quality_flags.has(flag)) {
         return;
     }
-    let [x, y, z] = core::array::from_fn(|i| ratio * (off.wind_m_s[i] - estimate.wind_m_s[i]));
-    let squares = [x * x, y * y, z * z, x * y, x * z, y * z];
-    estimate.covariance_m2_s2.iter_mut().zip(squares).for_each(|(element, square)| *element += square);
-    estimate.speed_error_m_s = estimate.speed_error_m_s.hypot(ratio * (off.speed_m_s - estimate.speed_m_s));
+    let [x, y, z] = core::array::from_fn(|i| f64::from(ratio * (off.wind_m_s[i] - estimate.wind_m_s[i])));
     let turned_deg = angle_deg(off.wind_m_s.map(f64::from), estimate.wind_m_s.map(f64::from));
-    if turned_deg.is_finite() {
-        let turned_rad = ratio * (turned_deg.to_radians() / axes_across.sqrt()) as f32;
-        estimate.direction_error_rad = estimate.direction_error_rad.hypot(turned_rad).min(core::f32::consts::PI);
-    }
+    let turned_rad = f64::from(ratio) * turned_deg.to_radians() / axes_across.sqrt();
+    let faster_m_s = f64::from(ratio * (off.speed_m_s - estimate.speed_m_s));
+    add_uncertainty(estimate, [x * x, y * y, z * z, x * y, x * z, y * z], [faster_m_s, turned_rad]);
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@
 //! | `level_record` | elements that no loop holds |
 //! | [`gas_input`] | pressure and temperature of the gas |
 //! | [`gas_uncertainty`] | what their uncertainty does to a wind |
+//! | `added_uncertainty` | what adds to the uncertainty of a wind |
 //! | [`given_winds`] | a table of true winds |
 //! | [`comparison`] | errors against the true wind |
 //! | [`field_correction`] | slow errors found by the redundancy of four surfaces |
@@ -17,6 +18,7 @@
 //! | [`report`] | all of these as text and as JSON |
 //! | [`error`] | what is refused |
 
+mod added_uncertainty;
 pub mod comparison;
 pub mod error;
 pub mod estimate;

@@ -187,14 +187,7 @@ impl FreeStream {
 
     /// J⁻¹ C J⁻ᵀ with J = ∂v_e/∂v at a wind; C itself where J has no inverse.
     fn carried(&self, covariance: &[[f32; 3]; 3], wind_m_s: [f32; 3], rise_speed_m_s: f32) -> [[f32; 3]; 3] {
-        let step = STEP * length(wind_m_s).max(rise_speed_m_s).max(STEP);
-        let here = self.met(wind_m_s, rise_speed_m_s);
-        // Columns of J, as rows.
-        let [a, b, c] = [0, 1, 2].map(|k| {
-            let mut there = wind_m_s;
-            there[k] += step;
-            scaled(plus(self.met(there, rise_speed_m_s), -1.0, here), 1.0 / step)
-        });
+        let [a, b, c] = self.columns(wind_m_s, rise_speed_m_s);
         let inverse = [cross(b, c), cross(c, a), cross(a, b)];
         let volume = dot(a, inverse[0]);
         if volume.max(-volume) < 1e-3 {
@@ -203,6 +196,25 @@ impl FreeStream {
         let rows = inverse.map(|row| scaled(row, 1.0 / volume));
         let half = rows.map(|row| covariance.map(|of| dot(of, row)));
         half.map(|of| rows.map(|row| dot(of, row)))
+    }
+
+    /// Columns of J at a wind.
+    fn columns(&self, wind_m_s: [f32; 3], rise_speed_m_s: f32) -> [[f32; 3]; 3] {
+        let step = STEP * length(wind_m_s).max(rise_speed_m_s).max(STEP);
+        let here = self.met(wind_m_s, rise_speed_m_s);
+        [0, 1, 2].map(|k| {
+            let mut there = wind_m_s;
+            there[k] += step;
+            scaled(plus(self.met(there, rise_speed_m_s), -1.0, here), 1.0 / step)
+        })
+    }
+
+    /// ∂/∂v of what changes by `gradient` with v_e.
+    pub fn gradient(&self, gradient: [f32; 3], wind_m_s: [f32; 3], rise_speed_m_s: f32) -> [f32; 3] {
+        if self.rise.is_none() && !self.is_mapped {
+            return gradient;
+        }
+        self.columns(wind_m_s, rise_speed_m_s).map(|column| dot(column, gradient))
     }
 }
 

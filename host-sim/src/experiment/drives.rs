@@ -9,7 +9,7 @@ use dr_core::sensor::Level;
 use super::grid::TickGrid;
 use super::table::{ChangeTable, DriveTable, OverheatAlternationTable};
 use anemometry::head::{Head, HeadElement};
-use recording::text::suggest;
+use recording::text::{suggest, tidy};
 use recording::toml_file::FileError;
 
 /// Between which temperatures the gas is, °C: the same twice for one that does not swing.
@@ -20,10 +20,8 @@ pub(super) struct GasRange {
 }
 
 impl GasRange {
-    /// As a sentence has it, without unit. Rounded, as a sum of two written numbers may have a tail
-    /// of digits.
+    /// As a sentence has it, without unit.
     fn words(self) -> String {
-        let tidy = |celsius: f64| (celsius * 1e9).round() / 1e9;
         if self.coldest_c == self.hottest_c {
             return self.coldest_c.to_string();
         }
@@ -136,7 +134,8 @@ impl DriveReader<'_> {
                 Drive::Power { power_w: power_w as f32 }
             }
             DriveTable::TemperatureC(target_c) => {
-                Drive::Temperature { target_c: self.set_point(&format!("{key}.temperature_c"), target_c, element)? }
+                let (key, stated) = (format!("{key}.temperature_c"), format!("{target_c} °C"));
+                Drive::Temperature { target_c: self.set_point(&key, target_c, &stated, element)? }
             }
             DriveTable::Prbs { order, bit_time_s, seed } => {
                 let ticks_per_bit = grid.whole_ticks(&format!("{key}.prbs.bit_time_s"), bit_time_s)?;
@@ -150,28 +149,42 @@ impl DriveReader<'_> {
             }
             DriveTable::Alternation { low_c, high_c, half_s } => {
                 let key = format!("{key}.alternation");
-                let [low_c, high_c] = self.pair(&key, "c", [low_c, high_c], element)?;
+                let [low_c, high_c] = self.pair(&key, [low_c, high_c], None, element)?;
                 let half_ticks = grid.whole_ticks(&format!("{key}.half_s"), half_s)?;
                 Drive::Alternation { low_c, high_c, half_ticks }
             }
             DriveTable::Setpoints { low_c, high_c, dwell_s, seed } => {
-                let [low_c, high_c] = self.pair(&format!("{key}.setpoints"), "c", [low_c, high_c], element)?;
+                let [low_c, high_c] = self.pair(&format!("{key}.setpoints"), [low_c, high_c], None, element)?;
                 let dwell_ticks = grid.whole_ticks(&format!("{key}.setpoints.dwell_s"), dwell_s)?;
                 Drive::Setpoints { low_c, high_c, dwell_ticks, seed }
             }
         })
     }
 
-    /// Two set-points, the lowest first, whose keys end in `unit`.
-    fn pair(&self, key: &str, unit: &str, both_c: [f64; 2], element: &HeadElement) -> Result<[f32; 2], FileError> {
-        let (low_key, high_key) = (format!("{key}.low_{unit}"), format!("{key}.high_{unit}"));
-        let low_c = self.set_point(&low_key, both_c[0], element)?;
-        let high_c = self.set_point(&high_key, both_c[1], element)?;
-        if low_c >= high_c {
-            let sentence = format!("is {high_c} °C: it must lie above `low_{unit}`, {low_c} °C");
-            return Err(self.grid.source.refuse(&high_key, sentence));
+    /// Two set-points, the lowest first, as the file states them in °C, or in K above this
+    /// temperature.
+    fn pair(
+        &self,
+        key: &str,
+        both: [f64; 2],
+        gas_c: Option<f64>,
+        element: &HeadElement,
+    ) -> Result<[f32; 2], FileError> {
+        let (end, unit) = if gas_c.is_some() { ("k", "K") } else { ("c", "°C") };
+        let set_point = |which: &str, value: f64| {
+            let celsius = value + gas_c.unwrap_or(0.0);
+            let stated = format!("{value} {unit}");
+            let stated =
+                if gas_c.is_some() { format!("{stated} above the gas, {} °C", tidy(celsius)) } else { stated };
+            self.set_point(&format!("{key}.{which}_{end}"), celsius, &stated, element)
+        };
+        let [low, high] = both;
+        let both_c = [set_point("low", low)?, set_point("high", high)?];
+        if both_c[0] >= both_c[1] {
+            let sentence = format!("is {high} {unit}: it must lie above `low_{end}`, {low} {unit}");
+            return Err(self.grid.source.refuse(&format!("{key}.high_{end}"), sentence));
         }
-        Ok([low_c, high_c])
+        Ok(both_c)
     }
 
     /// Every element that holds a temperature, from its start or a change on, alternates between
@@ -182,15 +195,20 @@ impl DriveReader<'_> {
         drives: &mut [Drive],
         changes: &mut [DriveChange],
     ) -> Result<(), FileError> {
-        let half_ticks = self.grid.whole_ticks("overheat_alternation.half_s", table.half_s)?;
+        let half_key = "overheat_alternation.half_s";
+        let half_ticks = self.grid.whole_ticks(half_key, table.half_s)?;
+        if half_ticks >= self.grid.ticks {
+            let sentence = format!("is {} s, as long as the run or longer: six halves show heat", table.half_s);
+            return Err(self.grid.source.refuse(half_key, sentence));
+        }
         let gas_c = 0.5 * (self.gas.coldest_c + self.gas.hottest_c);
-        let both_c = [table.low_k, table.high_k].map(|overheat_k| gas_c + overheat_k);
         let places = drives.iter_mut().enumerate();
         let later = changes.iter_mut().flat_map(|of| &mut of.drives).map(|(place, drive)| (*place, drive));
         let mut count = 0;
         for (place, drive) in places.chain(later) {
             if matches!(drive, Drive::Temperature { .. }) {
-                let [low_c, high_c] = self.pair("overheat_alternation", "k", both_c, &self.head.elements[place])?;
+                let (both_k, element) = ([table.low_k, table.high_k], &self.head.elements[place]);
+                let [low_c, high_c] = self.pair("overheat_alternation", both_k, Some(gas_c), element)?;
                 *drive = Drive::Alternation { low_c, high_c, half_ticks };
                 count += 1;
             }
@@ -202,14 +220,15 @@ impl DriveReader<'_> {
         Ok(())
     }
 
-    /// A temperature that an element can have: above the gas at every time, and below its limit.
-    fn set_point(&self, key: &str, celsius: f64, element: &HeadElement) -> Result<f32, FileError> {
+    /// A temperature that an element can have, in words as `stated`: above the gas at every time,
+    /// and below its limit.
+    fn set_point(&self, key: &str, celsius: f64, stated: &str, element: &HeadElement) -> Result<f32, FileError> {
         let (hottest_c, limit) = element.config.hottest_set_point();
         let sentence = if celsius.is_nan() || celsius > f64::from(hottest_c) {
-            format!("is {celsius} °C: {}", beyond_limit(hottest_c, limit))
+            format!("is {stated}: {}", beyond_limit(hottest_c, limit))
         } else if celsius <= self.gas.hottest_c {
             let gas = self.gas.words();
-            format!("is {celsius} °C, but the gas has {gas} °C and a heater cannot cool: it must lie above")
+            format!("is {stated}, but the gas has {gas} °C and a heater cannot cool: it must lie above")
         } else {
             return Ok(celsius as f32);
         };

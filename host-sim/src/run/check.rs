@@ -11,6 +11,7 @@ use super::start::SetPointJudgement;
 use crate::experiment::{DriveChange, Experiment};
 use crate::sensor::{DirectionSwing, DustDevil, Gust, Sine, Spectrum, TemperatureSwing, WindEntry};
 use anemometry::gas::Species;
+use recording::text::tidy;
 
 /// Entries of a list that are printed one by one.
 const MOST: usize = 12;
@@ -148,9 +149,9 @@ impl fmt::Display for CheckReport<'_> {
                 "from {:>6} s  {:>5} m/s towards {:>4}° azimuth, {:>3}° elevation{}  ({})",
                 entry.start_s,
                 // 7 m/min has no end in m/s.
-                (1e6 * entry.speed_m_s).round() / 1e6,
-                entry.azimuth_deg,
-                entry.elevation_deg,
+                tidy(entry.speed_m_s),
+                tidy(entry.azimuth_deg),
+                tidy(entry.elevation_deg),
                 blown(entry),
                 entry.label
             )?;

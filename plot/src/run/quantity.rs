@@ -25,20 +25,14 @@ impl Quantity {
         chart.first_on_top([estimate, band].into_iter().chain(truth))
     }
 
-    /// The azimuth, turned into the range of an axis that is cut where nothing is; `is_tilted` in a
-    /// plane other than that of x and y.
-    pub fn azimuth_chart(&self, is_tilted: bool) -> Chart {
+    /// The azimuth, turned into the range of an axis that is cut where nothing is.
+    pub fn azimuth_chart(&self, note: &str) -> Chart {
         let ends = azimuth::range(&[&self.estimate, self.truth.as_deref().unwrap_or_default()], 0.6 * self.typical());
         let turn = |bins: &[Bin]| azimuth::turned(bins, ends.0);
         let turned = Self {
             estimate: turn(&self.estimate),
             uncertainty: self.uncertainty.clone(),
             truth: self.truth.as_deref().map(turn),
-        };
-        let note = if is_tilted {
-            "in the head's plane, where the wind goes to"
-        } else {
-            "from x towards y, where the wind goes to"
         };
         turned.chart(Chart::new("Azimuth", "°").note(note).height(25.0).degrees(ends))
     }

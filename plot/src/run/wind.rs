@@ -27,6 +27,7 @@ use crate::engine::pen::Pen;
 use crate::engine::reduce::{BINS, Bin, bins};
 use crate::engine::trace::Trace;
 use anemometry::vector::{dot, length};
+use recording::head_mounting::HeadMounting;
 use recording::wind::{
     DIRECTION_UNCERTAINTY, ESTIMATED_GAS, QUALITY_FLAGS, SPEED_UNCERTAINTY, WIND_ESTIMATE, WIND_SPEED,
 };
@@ -143,6 +144,17 @@ impl<'r> WindEstimates<'r> {
         all.map(|(label, colour, of)| (label, colour, self.reduced(|row| of[row]))).collect()
     }
 
+    /// How azimuths count, and where north is among them, if the head has a heading.
+    fn azimuth_note(&self) -> String {
+        let from = if self.comparison.is_tilted() { "in the head's plane" } else { "from x towards y" };
+        let mut note = format!("{from}, where the wind goes to");
+        if let Some(mounting) = HeadMounting::from_metadata(&self.recording.metadata, None, None).ok().flatten() {
+            let [x, y, _] = self.comparison.in_frame(mounting.north());
+            note += &format!("; north is {:.0}°", y.atan2(x).to_degrees());
+        }
+        note
+    }
+
     /// Its charts: all of them, or those that a run has beside its own.
     pub fn charts(&self, alone: bool) -> Vec<Chart> {
         if alone && self.sweep().is_some() {
@@ -155,14 +167,14 @@ impl<'r> WindEstimates<'r> {
             let chart = Chart::new("Angle to the head's axis", "°").note("0 goes to where the first surface looks");
             charts.push(self.direction(angle).narrow_chart(chart.height(25.0), 0.0, 180.0));
         } else if alone && self.has_direction && self.comparison.normal.is_some() {
-            charts
-                .push(self.azimuth(self.uncertainty(DIRECTION_UNCERTAINTY)).azimuth_chart(self.comparison.is_tilted()));
+            let azimuth = self.azimuth(self.uncertainty(DIRECTION_UNCERTAINTY));
+            charts.push(azimuth.azimuth_chart(&self.azimuth_note()));
         } else if alone && self.has_direction {
             let elevation = self.direction(|wind, _| (wind[2] / length(wind)).clamp(-1.0, 1.0).asin().to_degrees());
             // The same uncertainty on the sphere is a greater one of the azimuth towards the poles.
             let widen = |(up, of): (&Bin, &f64)| (of / up.mean.to_radians().cos().max(1e-3)).min(180.0);
             let uncertainty = elevation.estimate.iter().zip(&elevation.uncertainty).map(widen).collect();
-            charts.push(self.azimuth(uncertainty).azimuth_chart(false));
+            charts.push(self.azimuth(uncertainty).azimuth_chart(&self.azimuth_note()));
             let chart = Chart::new("Elevation", "°").note("above the xy plane").height(22.0);
             charts.push(elevation.narrow_chart(chart, -90.0, 90.0));
         }

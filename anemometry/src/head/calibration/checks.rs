@@ -18,6 +18,7 @@ use super::table::{CalibrationTable, ConvectionModelTable, UncertaintyTable};
 use crate::gas::{TEMPERATURE_RANGE_K, ZERO_CELSIUS_K};
 use crate::head::element::HeadElement;
 use recording::toml_file::{FileError, TomlSource};
+use recording::utc;
 
 /// Temperatures of a gas whose properties are known, °C.
 pub(super) const GAS_C: std::ops::RangeInclusive<f64> =
@@ -66,6 +67,13 @@ impl Calibration {
             ("calibration.reference_gas_c", table.reference_gas_c, GAS_C, "°C"),
         ] {
             keys.within(key, value, range, unit)?;
+        }
+        let corrected_on = table.correction.as_ref().and_then(|of| of.made_on.as_ref());
+        for (key, day) in [("calibration", table.made_on.as_ref()), ("calibration.correction", corrected_on)] {
+            if let Some(day) = day.filter(|day| !utc::is_day(day)) {
+                let sentence = format!("is `{day}`: a day belongs there, as 2026-03-01");
+                return Err(keys.refuse(&format!("{key}.made_on"), sentence));
+            }
         }
         if self.reference.is_some_and(|reference| self.knows(reference)) {
             let name = table.reference.as_deref().unwrap_or_default();
@@ -336,6 +344,7 @@ mod tests {
     fn what_cannot_be_is_refused_by_its_key() {
         for (heading, key, value, said) in [
             ("[calibration]", "diameter_m", "10.0", "calibration.diameter_m"),
+            ("[calibration]", "reference", "\"sector1\"\nmade_on = \"March 2026\"", "calibration.made_on"),
             ("[calibration]", "reference_gas_c", "500.0", "calibration.reference_gas_c"),
             ("[[calibration.parts]]", "gain", "-1.0", "calibration.parts[0].gain"),
             ("[[calibration.parts]]", "area_m2", "1e9", "calibration.parts[0].area_m2"),

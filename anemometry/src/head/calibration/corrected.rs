@@ -129,6 +129,8 @@ mod tests {
         assert!(whole.contains("`calibration.correction.surfaces[0].offset_u_w` is 2 W"), "{whole}");
         let gain = refused("gain_change = 0.0", "gain_change = -1.0");
         assert!(gain.contains("`calibration.correction.surfaces[0].gain_change` is -1"), "{gain}");
+        let day = refused("made_from", "made_on = \"2026-02-30\"\nmade_from");
+        assert!(day.contains("`calibration.correction.made_on` is `2026-02-30`: a day belongs there, as "), "{day}");
         let other = refused("element = \"sector1\"", "element = \"sector2\"");
         assert!(other.contains("must have the calibration's surfaces in its order, `sector1`, "), "{other}");
         let unknown = refused("made_from", "made_form");

@@ -20,7 +20,7 @@ use nalgebra::{SMatrix, SVector};
 use super::evidence::{SlowEvidence, SlowSlot};
 
 /// Least distance of the levels, as a share of the higher one.
-const LEAST_SWING: f64 = 0.1;
+pub const LEAST_SWING: f64 = 0.1;
 /// Share of the distance by which a slot may be off a level.
 const OFF_LEVEL: f64 = 0.1;
 /// Left out after the begin of a half, s.

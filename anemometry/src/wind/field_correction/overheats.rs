@@ -9,9 +9,9 @@
 //! y = L⁻¹ D,  A = −L⁻¹ diag(Δx)                         L Lᵀ = cov ε
 //! ```
 //!
-//! with v̄ the mean wind of the three, so that the gas's properties at other film temperatures are
-//! taken out. A wind that becomes faster evenly cancels. The covariance of ε is that of
-//! [`super::halves`]. Halves belong to one equation each.
+//! with v̄ the mean wind of the three, so that the gas's properties at other film temperatures, and
+//! its rise, are taken out. A wind that becomes faster evenly cancels. The covariance of ε is that
+//! of [`super::halves`]. Halves belong to one equation each.
 //!
 //! *Limits.* Quiescent-gas network and resistances are wrong at another overheat in their own way,
 //! by `MISSED_MW`, which no record tells, and properties that the calibration assumes by more
@@ -74,8 +74,8 @@ fn beyond_gas<const N: usize>(
 ) -> Option<[BySurface; 3]> {
     let vector = anemometer.vector()?;
     let gas = |half: &OverheatHalf| {
-        let overheat_k = half.per_overheat.map(|x| 1.0 / x).mean();
-        anemometer.gas_at(half.gas_c as f32, overheat_k as f32)
+        let (gas_c, overheat_k) = (half.gas_c as f32, half.per_overheat.map(|x| 1.0 / x).mean() as f32);
+        Some((anemometer.gas_at(gas_c, overheat_k)?, anemometer.free_stream(gas_c, overheat_k)))
     };
     let mut inverse = WindState::default();
     let mut sum_m_s = [0.0_f32; 3];
@@ -85,15 +85,18 @@ fn beyond_gas<const N: usize>(
             let conductance_w_k = corrections[i].corrected_w_k(half.conductance_w_k[i] as f32, share);
             Some(MeasuredConductance { conductance_w_k, variance_w2_k2: 1e-12 })
         };
-        let wind = vector.step(&mut inverse, &gas(half)?, &core::array::from_fn::<_, SECTORS, _>(measured));
-        if wind.quality.has(QualityFlags::FAILED) {
+        let (gas, (free, rise_speed_m_s)) = gas(half)?;
+        let met = vector.step(&mut inverse, &gas, &core::array::from_fn::<_, SECTORS, _>(measured));
+        if met.quality.has(QualityFlags::FAILED) {
             return None;
         }
-        sum_m_s = core::array::from_fn(|k| sum_m_s[k] + wind.wind_m_s[k] / 3.0);
+        let wind_m_s = free.wind(met.wind_m_s, rise_speed_m_s);
+        sum_m_s = core::array::from_fn(|k| sum_m_s[k] + wind_m_s[k] / 3.0);
     }
     let mut beyond = halves.map(|half| half.conductance_w_k);
     for (of, half) in beyond.iter_mut().zip(halves) {
-        let expected = vector.conductances(&gas(half)?, sum_m_s);
+        let (gas, (free, rise_speed_m_s)) = gas(half)?;
+        let expected = vector.conductances(&gas, free.met(sum_m_s, rise_speed_m_s));
         *of -= BySurface::from_fn(|i, _| expected[i].conductance_w_k.into());
     }
     Some(beyond)

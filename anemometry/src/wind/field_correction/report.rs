@@ -5,7 +5,8 @@ use std::fmt;
 use dr_core::wind::sphere::SECTORS;
 use serde::Serialize;
 
-use super::find::{FieldCorrection, OverheatFinding, SlowErrorKind};
+use super::correction::{FieldCorrection, OverheatFinding};
+use super::kind::SlowErrorKind;
 use super::open::open_errors;
 
 /// Moments of the series.

@@ -2,7 +2,9 @@
 
 use super::Anemometer;
 use crate::wind::anemometer::head_inverse::HeadInverse;
+use crate::wind::free_stream::FreeStream;
 use crate::wind::gas::GasState;
+use crate::wind::gas_law::ZERO_CELSIUS_K;
 use crate::wind::slow_errors::SurfaceCorrection;
 use crate::wind::sphere::SECTORS;
 use crate::wind::surface_inverse::WindVector;
@@ -31,6 +33,14 @@ impl<const N: usize> Anemometer<N> {
     /// pressure, or outside its law.
     pub fn gas_at(&self, gas_c: f32, overheat_k: f32) -> Option<GasState> {
         self.gas(Some(gas_c), overheat_k)
+    }
+
+    /// From the wind to the stream that surfaces of this mean overheat, K, meet, and the speed of
+    /// its rise, m/s.
+    pub fn free_stream(&self, gas_c: f32, overheat_k: f32) -> (FreeStream, f32) {
+        let free = self.setup.convection.as_ref().map_or_else(FreeStream::default, |of| of.free_stream);
+        let diameter_m = self.output.as_ref().map_or(0.0, |output| output.config.diameter_m);
+        (free, free.rise_speed_m_s(overheat_k, gas_c + ZERO_CELSIUS_K, diameter_m))
     }
 
     /// κ: share of a conductance by which the calibration misses it at a speed; 0 where it does not
