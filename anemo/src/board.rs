@@ -141,7 +141,9 @@ pub(super) enum On {
 
 /// A meter cannot heat.
 fn no_head() -> Failure {
-    Failure::usage("--on scpi: a meter reads the `device` of an experiment and no head; name sim, qemu or serial:DEVICE")
+    Failure::usage(
+        "--on scpi: a meter reads the `device` of an experiment and no head; name sim, qemu or serial:DEVICE",
+    )
 }
 
 impl On {

@@ -22,8 +22,7 @@ pub fn execute(arguments: &Arguments, experiment: &DeviceExperiment) -> Result<(
     let options = WriterOptions::default();
     let layout = layout(experiment, false);
     let known = metadata(experiment, "model");
-    let mut rows =
-        RecordingOutputs::create(arguments.output.as_deref(), &arguments.picture, layout, &known, &options)?;
+    let mut rows = RecordingOutputs::create(arguments.output.as_deref(), &arguments.picture, layout, &known, &options)?;
     let predicted = predict(&model, experiment, &mut |row| rows.push(row).map_err(DeviceRunError::from));
     let mut report = predicted.map_err(|error| match error {
         DevicePredictError::Model(error) => Failure::in_file(&arguments.model, error),

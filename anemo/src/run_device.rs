@@ -51,7 +51,8 @@ pub fn execute(arguments: &Arguments, experiment: &DeviceExperiment) -> Result<(
     let interrupted = on_interrupt();
     let mut port = port(instrument, experiment)?;
     let controller = controller(instrument)?;
-    let mut table = LiveTable::new(&experiment.title, Vec::new(), Some(experiment.ticks.into()), HeadMounting::default());
+    let mut table =
+        LiveTable::new(&experiment.title, Vec::new(), Some(experiment.ticks.into()), HeadMounting::default());
     let start = Instant::now();
     let summary = run(experiment, controller, port.as_mut(), &mut |row| {
         recorded.push(row)?;

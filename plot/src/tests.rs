@@ -32,6 +32,7 @@ fn noisy_in(rows: u32, metadata: &[(&str, &str)], gas: bool) -> Recording {
         combined_wind: false,
         earth_wind: false,
         cores: Vec::new(),
+        numbers: Vec::new(),
     };
     let mut collector = Collector::new(layout, &metadata);
     let mut state = 1_u32;

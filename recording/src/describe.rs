@@ -86,6 +86,7 @@ mod tests {
             combined_wind: false,
             earth_wind: true,
             cores: names(),
+            numbers: ["symbol_mems", "true_voltage_shift_v_mems"].map(str::to_owned).to_vec(),
         };
         for column in layout.columns().into_iter().chain([UTC.to_owned()]) {
             let (unit, what) = described(&column).unwrap_or_else(|| panic!("{column}"));

@@ -95,9 +95,10 @@ pub use error::RecordingError;
 pub use file_format::check_name;
 pub use format1::{current_name, is_format_1, is_pair, renamed};
 pub use names::{
-    CONDUCTANCE, EQUIVALENT_POWER, EVENT, GAS_TEMPERATURE, GIVEN_WIND, HEATER, OFFSET_CAPACITANCE, POWER, RAW_CONDUCTANCE, REFERENCE,
-    STATE, SYMBOL, SYMBOL_CAPACITANCE, TEMPERATURE, TIME, TRUE_OFFSET_CAPACITANCE, TRUE_VOLTAGE_SHIFT, TRUE_WIND, VOLTAGE_SHIFT, UNKNOWN_HEAT, UTC, column_name, element_of, in_columns, shared_column,
-    stated_unit,
+    CONDUCTANCE, EQUIVALENT_POWER, EVENT, GAS_TEMPERATURE, GIVEN_WIND, HEATER, OFFSET_CAPACITANCE, POWER,
+    RAW_CONDUCTANCE, REFERENCE, STATE, SYMBOL, SYMBOL_CAPACITANCE, TEMPERATURE, TIME, TRUE_OFFSET_CAPACITANCE,
+    TRUE_VOLTAGE_SHIFT, TRUE_WIND, UNKNOWN_HEAT, UTC, VOLTAGE_SHIFT, column_name, element_of, in_columns,
+    shared_column, stated_unit,
 };
 pub use parts::journal_of;
 pub use reader::RecordingReader;

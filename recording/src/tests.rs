@@ -16,6 +16,7 @@ fn layout(wind: bool) -> RecordingLayout {
         combined_wind: false,
         earth_wind: false,
         cores: Vec::new(),
+        numbers: Vec::new(),
     }
 }
 
@@ -154,6 +155,7 @@ fn names_that_cannot_be_written_are_refused_at_once() {
         combined_wind: false,
         earth_wind: false,
         cores: Vec::new(),
+        numbers: Vec::new(),
     };
     assert!(create(&folder.path().join("a.csv"), twins).contains("two columns would be named `temperature_c_core`"));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
@@ -386,6 +388,7 @@ fn a_recording_of_format_1_is_read_with_the_names_of_today() {
             combined_wind: false,
             earth_wind: false,
             cores: Vec::new(),
+            numbers: Vec::new(),
             ..RecordingLayout::default()
         };
         let today = layout.columns();

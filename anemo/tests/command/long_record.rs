@@ -19,6 +19,7 @@ fn write(path: &Path, rows: usize) {
         combined_wind: false,
         earth_wind: false,
         cores: Vec::new(),
+        numbers: Vec::new(),
     };
     let mut writer = RecordingWriter::create(path, layout, &Vec::new()).unwrap();
     let (mut seed, mut power_w, mut rise_k) = (1_u64, 0.0_f32, 0.0_f32);

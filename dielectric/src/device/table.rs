@@ -95,7 +95,9 @@ impl DeviceTable {
     pub fn checked(self, source: TomlSource) -> Result<Device, FileError> {
         let Self { name, capacitor, limits, meter, simulation } = self;
         if name.is_empty() || !name.chars().all(|of| of.is_ascii_alphanumeric() || of == '-' || of == '_') {
-            return Err(source.refuse("name", "stands in the columns of recordings: letters, digits, - and _ belong here"));
+            return Err(
+                source.refuse("name", "stands in the columns of recordings: letters, digits, - and _ belong here")
+            );
         }
         for (key, value, unit) in [
             ("capacitor.curvature_f_v2", capacitor.curvature_f_v2, "F/V²"),
@@ -153,7 +155,9 @@ impl SimulationTable {
         finite("simulation.offset_per_hour", self.offset_per_hour, "an hour")?;
         finite("simulation.charging_per_k", self.charging_per_k, "a kelvin")?;
         if self.carriers.is_empty() {
-            return Err(source.refuse("simulation.carriers", "is empty: one [[simulation.carriers]] at least belongs here"));
+            return Err(
+                source.refuse("simulation.carriers", "is empty: one [[simulation.carriers]] at least belongs here")
+            );
         }
         let carriers = self.carriers.iter().enumerate();
         let carriers = carriers.map(|(i, table)| table.checked(source, &format!("simulation.carriers[{i}]")));

@@ -95,7 +95,8 @@ impl DeviceExperiment {
     /// If its file does not have what simulates it.
     pub fn simulated(&self) -> Result<SimulatedDevice, FileError> {
         SimulatedDevice::new(&self.device, &self.surroundings, self.seed).ok_or_else(|| {
-            let sentence = format!("is `{}`, whose file has no [simulation]: only a real one can be run", self.device.name);
+            let sentence =
+                format!("is `{}`, whose file has no [simulation]: only a real one can be run", self.device.name);
             self.source.refuse("device", sentence)
         })
     }

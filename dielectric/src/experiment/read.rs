@@ -44,7 +44,8 @@ impl DeviceExperiment {
         let shape = shape(&source, &device, &table, symbol_time_s)?;
         let unreachable = table.unreachable_after_s.map(|time_s| grid.whole_ticks("unreachable_after_s", time_s));
         let reader = DriveReader { grid: &grid, device: &device };
-        let mut phases = vec![DevicePhase { tick: 0, label: String::new(), drive: reader.drive("drive", &table.drive)? }];
+        let mut phases =
+            vec![DevicePhase { tick: 0, label: String::new(), drive: reader.drive("drive", &table.drive)? }];
         for (index, change) in table.changes.iter().enumerate() {
             let key = |key: &str| format!("changes[{index}].{key}");
             let tick = grid.whole_ticks(&key("start_s"), change.start_s)?;
@@ -164,9 +165,8 @@ impl DriveReader<'_> {
         let most_v = self.device.shift_max_v;
         let target = source.within(&format!("{key}.shift_v"), shift_v, -most_v..=most_v, "V")? as f32;
         match order {
-            1 if gain.is_some() => {
-                Err(source.refuse(&format!("{key}.gain"), "is of a loop of second order: leave it out, or give `order = 2`"))
-            }
+            1 if gain.is_some() => Err(source
+                .refuse(&format!("{key}.gain"), "is of a loop of second order: leave it out, or give `order = 2`")),
             1 => Ok(Drive::Temperature { target_c: target }),
             2 => {
                 let gain = source.within(&format!("{key}.gain"), gain.unwrap_or(GAIN), 1e-6..=1.0, "a tick")?;

@@ -121,7 +121,11 @@ impl ScpiMeter {
         Ok(())
     }
 
-    fn apply_symbol(&mut self, symbol: Option<ChargeSymbol>, shape: &SymbolShape) -> Result<SymbolReadings, MeterError> {
+    fn apply_symbol(
+        &mut self,
+        symbol: Option<ChargeSymbol>,
+        shape: &SymbolShape,
+    ) -> Result<SymbolReadings, MeterError> {
         self.settings.allow(shape.positive_v)?;
         self.settings.allow(shape.negative_v)?;
         let parts = match symbol {

@@ -242,7 +242,8 @@ fn a_bias_that_the_meter_does_not_have_is_named() {
     let pretended = pretended(None);
     let settings = MeterSettings { most_bias_v: 100.0, ..SETTINGS };
     let mut meter = ScpiMeter::connect(&pretended.address().to_string(), &settings).expect("a meter");
-    let error = meter.apply(Some(ChargeSymbol::Bit1), &SymbolShape { positive_v: 41.0, ..SHAPE }).expect_err("too much");
+    let error =
+        meter.apply(Some(ChargeSymbol::Bit1), &SymbolShape { positive_v: 41.0, ..SHAPE }).expect_err("too much");
     let expected = "the meter has a bias of 0 V, on, where 41 V, on, was commanded, with the error -222,\"Data out of range\"; does it have Option 001";
     assert!(error.is_released && error.sentence.starts_with(expected), "{error}");
 }

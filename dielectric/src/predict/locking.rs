@@ -92,12 +92,7 @@ mod tests {
     use super::*;
 
     fn response() -> SymbolResponse {
-        SymbolResponse {
-            offset_v: 0.2,
-            rates_rad_s: vec![0.02, 0.3],
-            gains_v: vec![1.0, 0.1],
-            symbol_time_s: 1.0,
-        }
+        SymbolResponse { offset_v: 0.2, rates_rad_s: vec![0.02, 0.3], gains_v: vec![1.0, 0.1], symbol_time_s: 1.0 }
     }
 
     /// The mean bit of a loop of first order, simulated for long.

@@ -6,11 +6,11 @@ pub mod locking;
 mod modelled;
 mod report;
 
-use dr_core::control::Drive;
-use dr_core::model::Reachability;
 use diffusive::model::{Model, ModelError, PairClass};
 use diffusive::predict::analysis::{LoopConditions, analyse};
 use diffusive::predict::loop_model::LoopModel;
+use dr_core::control::Drive;
+use dr_core::model::Reachability;
 use host_sim::instrument::in_process::InProcess;
 use recording::RecordingRow;
 

@@ -41,9 +41,8 @@ impl DevicePort for ModelledDevice {
         self.forward.row(&[input], 0, f64::NAN, &mut shift_v);
         self.forward.outputs(&mut shift_v);
         let parts = symbol.map_or([(0.0, 0.0); 2], |symbol| shape.parts(symbol));
-        Ok(parts.map(|(bias_v, _)| {
-            Some(self.device.offset_f + self.device.curvature_f_v2 * (bias_v - shift_v[0]).powi(2))
-        }))
+        Ok(parts
+            .map(|(bias_v, _)| Some(self.device.offset_f + self.device.curvature_f_v2 * (bias_v - shift_v[0]).powi(2))))
     }
 
     fn release(&mut self) -> Result<(), PortError> {

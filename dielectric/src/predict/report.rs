@@ -59,7 +59,11 @@ impl fmt::Display for DevicePrediction {
                     words(held.settled_from_rest_s)
                 )?;
             } else {
-                writeln!(f, "out of reach in the long run: it would take a mean symbol of {}", brief(held.steady_symbol))?;
+                writeln!(
+                    f,
+                    "out of reach in the long run: it would take a mean symbol of {}",
+                    brief(held.steady_symbol)
+                )?;
             }
             if let Some(of) = held.plateau {
                 writeln!(

@@ -37,9 +37,8 @@ fn the_model_is_held_as_its_steady_gain_says() {
 
 #[test]
 fn a_set_point_on_a_plateau_is_named_for_the_first_order_only() {
-    let plateau = predicted("\"zero\"").plateaus.into_iter().max_by(|a, b| {
-        (a.to_v - a.from_v).total_cmp(&(b.to_v - b.from_v))
-    });
+    let plateau =
+        predicted("\"zero\"").plateaus.into_iter().max_by(|a, b| (a.to_v - a.from_v).total_cmp(&(b.to_v - b.from_v)));
     let plateau = plateau.unwrap();
     let middle_v = 0.5 * (plateau.from_v + plateau.to_v);
     let of = |order: u8| predicted(&format!("{{ hold = {{ shift_v = {middle_v:?}, order = {order} }} }}"));

@@ -11,9 +11,9 @@
 mod row;
 mod summary;
 
+use dr_core::Command;
 use dr_core::control::{Refusal, RunState, Trip};
 use dr_core::sensor::Reading;
-use dr_core::Command;
 use host_sim::instrument::{InstrumentError, LockStepController};
 use recording::toml_file::FileError;
 use recording::{Recording, RecordingError, RecordingRow, SYMBOL, VOLTAGE_SHIFT, column_name};
@@ -142,9 +142,10 @@ fn conduct(
         let codes = readings.map(|reading| as_code(&experiment.device, reading));
         let sample = controller.exchange(&codes)?.sample;
         // Bit 1 is that of the bias.
-        let symbol = sample.heaters.is_high(1).then(|| {
-            if sample.heaters.is_high(0) { ChargeSymbol::Bit1 } else { ChargeSymbol::Bit0 }
-        });
+        let symbol = sample
+            .heaters
+            .is_high(1)
+            .then(|| if sample.heaters.is_high(0) { ChargeSymbol::Bit1 } else { ChargeSymbol::Bit0 });
         if tick > 0 {
             let row = DeviceRow::new(&sample, readings, symbol, port.truth());
             statistics.add(&row, experiment.time_s(tick));

@@ -14,8 +14,7 @@ use crate::symbol::ChargeSymbol;
 
 /// Quantities of a device, in the order of its columns: the symbol that is held from t_n on, the
 /// voltage shift and C₀ by the readings of the symbol before t_n, and these readings.
-const MEASURED: [&str; 5] =
-    [SYMBOL, VOLTAGE_SHIFT, OFFSET_CAPACITANCE, SYMBOL_CAPACITANCE[0], SYMBOL_CAPACITANCE[1]];
+const MEASURED: [&str; 5] = [SYMBOL, VOLTAGE_SHIFT, OFFSET_CAPACITANCE, SYMBOL_CAPACITANCE[0], SYMBOL_CAPACITANCE[1]];
 /// The same of the simulation.
 const TRUE: [&str; 2] = [TRUE_VOLTAGE_SHIFT, TRUE_OFFSET_CAPACITANCE];
 

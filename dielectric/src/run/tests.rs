@@ -39,7 +39,10 @@ fn both_orders_hold_a_set_point_and_the_summary_has_it() {
         assert!(summary.complete, "{summary:?}");
         assert_eq!((summary.ticks, rows.len(), summary.without_reading), (5999, 5999, 0));
         let phase = &summary.phases[0];
-        assert!((phase.mean_voltage_shift_v.unwrap() - 0.25).abs() < [0.01, 1e-3][usize::from(order) - 1], "{order}: {phase:?}");
+        assert!(
+            (phase.mean_voltage_shift_v.unwrap() - 0.25).abs() < [0.01, 1e-3][usize::from(order) - 1],
+            "{order}: {phase:?}"
+        );
         assert!(phase.reached_s.unwrap() > 10.0);
         // The meter's noise, and what is interpolated of a shift that moves from symbol to symbol.
         assert!(summary.shift_rms_error_v.unwrap() < 2e-3, "{summary:?}");
@@ -122,15 +125,27 @@ fn wrong_files_are_refused_with_their_key() {
     };
     let of = |symbols: &str| refused(&format!("drive = \"zero\"\n[symbols]\n{symbols}"));
     for (sentence, part) in [
-        (of("positive_v = 60.0\nnegative_v = -8.0\nsecond_share = 0.2"), "`symbols.positive_v` is 60 V: device `mems` bears"),
+        (
+            of("positive_v = 60.0\nnegative_v = -8.0\nsecond_share = 0.2"),
+            "`symbols.positive_v` is 60 V: device `mems` bears",
+        ),
         (of("positive_v = 8.0\nnegative_v = 9.0\nsecond_share = 0.2"), "must lie below `positive_v`"),
         (of("positive_v = 8.0\nnegative_v = -8.0\nsecond_share = 1.0"), "`symbols.second_share` is 1"),
         (refused(&format!("drive = {{ symbol = 0 }}\n{SYMBOLS}")), "is 0: it is 1 or -1"),
         (refused(&format!("drive = {{ mean_symbol = 1.2 }}\n{SYMBOLS}")), "`drive.mean_symbol` is 1.2"),
         (refused(&format!("drive = {{ hold = {{ shift_v = 99.0 }} }}\n{SYMBOLS}")), "`drive.hold.shift_v` is 99 V"),
-        (refused(&format!("drive = {{ hold = {{ shift_v = 0.1, order = 3 }} }}\n{SYMBOLS}")), "loops are of order 1 or 2"),
-        (refused(&format!("drive = {{ hold = {{ shift_v = 0.1, gain = 0.2 }} }}\n{SYMBOLS}")), "is of a loop of second order"),
-        (refused(&format!("drive = {{ prbs = {{ order = 9, bit_time_s = 2.5, seed = 1 }} }}\n{SYMBOLS}")), "not a whole number"),
+        (
+            refused(&format!("drive = {{ hold = {{ shift_v = 0.1, order = 3 }} }}\n{SYMBOLS}")),
+            "loops are of order 1 or 2",
+        ),
+        (
+            refused(&format!("drive = {{ hold = {{ shift_v = 0.1, gain = 0.2 }} }}\n{SYMBOLS}")),
+            "is of a loop of second order",
+        ),
+        (
+            refused(&format!("drive = {{ prbs = {{ order = 9, bit_time_s = 2.5, seed = 1 }} }}\n{SYMBOLS}")),
+            "not a whole number",
+        ),
     ] {
         assert!(sentence.contains(part), "{part:?} is not in {sentence:?}");
     }

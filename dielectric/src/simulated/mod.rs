@@ -71,7 +71,8 @@ impl SimulatedDevice {
 
     /// Holds a bias for a time.
     pub fn hold(&mut self, bias_v: f64, time_s: f64) {
-        let charging = 1.0 + self.simulation.charging_per_k * (self.surroundings_now().0 - self.simulation.temperature_c);
+        let charging =
+            1.0 + self.simulation.charging_per_k * (self.surroundings_now().0 - self.simulation.temperature_c);
         let at = self.gains.iter().position(|(known_s, _)| *known_s == time_s).unwrap_or_else(|| {
             let of = |carriers: &crate::device::Carriers| {
                 carriers.rates_rad_s.iter().map(|rate| mesh::gain(*rate, time_s)).collect()

@@ -20,8 +20,5 @@ pub fn surroundings_at(points: &[SurroundingsPoint], now_s: f64) -> Option<(f64,
     let length_s = after.start_s - before.start_s;
     let share = if length_s > 0.0 { ((now_s - before.start_s) / length_s).clamp(0.0, 1.0) } else { 0.0 };
     let between = |from: f64, to: f64| from + share * (to - from);
-    Some((
-        between(before.temperature_c, after.temperature_c),
-        between(before.humidity_percent, after.humidity_percent),
-    ))
+    Some((between(before.temperature_c, after.temperature_c), between(before.humidity_percent, after.humidity_percent)))
 }

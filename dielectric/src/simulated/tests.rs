@@ -4,8 +4,7 @@ use super::*;
 use crate::device::{Carriers, MeterRange, Polarity};
 use recording::toml_file::TomlSource;
 
-const SHAPE: SymbolShape =
-    SymbolShape { positive_v: 10.0, negative_v: -10.0, second_share: 0.25, symbol_time_s: 1.0 };
+const SHAPE: SymbolShape = SymbolShape { positive_v: 10.0, negative_v: -10.0, second_share: 0.25, symbol_time_s: 1.0 };
 
 fn carriers(polarity: Polarity, steady_shift_v: f64, time_s: f64) -> Carriers {
     Carriers {
@@ -98,7 +97,8 @@ fn readings_follow_the_curve_and_the_surroundings() {
 #[test]
 fn noise_repeats_with_its_seed_and_a_fallen_membrane_shows() {
     let device = device(1e-18, vec![carriers(Polarity::Positive, 1.5, 100.0)]);
-    let first = |seed| SimulatedDevice::new(&device, &[], seed).unwrap().apply(Some(ChargeSymbol::Bit1), &SHAPE).unwrap();
+    let first =
+        |seed| SimulatedDevice::new(&device, &[], seed).unwrap().apply(Some(ChargeSymbol::Bit1), &SHAPE).unwrap();
     assert_eq!(first(3), first(3));
     assert_ne!(first(3), first(4));
     let mut simulated = SimulatedDevice::new(&device, &[], 1).unwrap();

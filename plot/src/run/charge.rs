@@ -16,7 +16,8 @@ impl RunCharts<'_> {
     /// Nothing for a recording without voltage shifts.
     pub fn charge(&self) -> Vec<Chart> {
         let devices: Vec<&str> = self.recording.behind(VOLTAGE_SHIFT).collect();
-        let shift = self.over_truth(&devices, Chart::new("Voltage shift", "V"), [VOLTAGE_SHIFT, TRUE_VOLTAGE_SHIFT], 1.0);
+        let shift =
+            self.over_truth(&devices, Chart::new("Voltage shift", "V"), [VOLTAGE_SHIFT, TRUE_VOLTAGE_SHIFT], 1.0);
         let offset = Chart::new("Offset of the capacitance", "pF");
         let offset = self.over_truth(&devices, offset, [OFFSET_CAPACITANCE, TRUE_OFFSET_CAPACITANCE], PF_PER_F);
         [shift, self.symbols(&devices), offset].into_iter().flatten().collect()

@@ -184,6 +184,7 @@ fn rewritten(desk: &Desk, name: &str, column: &str, from_s: f64, moved_s: &dyn F
         combined_wind: false,
         earth_wind: false,
         cores: Vec::new(),
+        numbers: Vec::new(),
     };
     let columns = |prefix: &str| elements.iter().map(|element| of(prefix, element)).collect::<Vec<_>>();
     let (temperature, power, heater) = (columns("temperature_c_"), columns("power_w_"), columns("heater_"));

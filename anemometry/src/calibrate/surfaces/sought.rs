@@ -45,11 +45,6 @@ pub struct Gravity {
 }
 
 impl SoughtConvection {
-    /// Whether the stream has unknowns.
-    pub fn has_unknowns(&self) -> bool {
-        self.rise.is_some() || self.stem.is_some()
-    }
-
     /// The unknowns as they are taken before any reading: a, b, F, E.
     pub fn start(&self) -> Vec<f64> {
         let mut start = Vec::new();

@@ -19,6 +19,7 @@ fn recording(folder: &Path, times_s: &[f64], period: Option<&str>) -> PathBuf {
         combined_wind: false,
         earth_wind: false,
         cores: Vec::new(),
+        numbers: Vec::new(),
     };
     let metadata: Metadata =
         period.map(|period| ("sample_period_s".to_owned(), period.to_owned())).into_iter().collect();

@@ -145,6 +145,7 @@ fn ours(name: &str, rows: usize, late: usize) -> TemporaryFile {
         combined_wind: false,
         earth_wind: false,
         cores: Vec::new(),
+        numbers: Vec::new(),
     };
     let mut writer = RecordingWriter::create(&temp.path, layout, &Metadata::new()).unwrap();
     for n in 0..rows {

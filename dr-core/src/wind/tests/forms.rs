@@ -68,6 +68,24 @@ fn off(a: [f32; 3], b: [f32; 3]) -> f32 {
 }
 
 #[test]
+fn wires_find_the_wind_that_they_face_whatever_the_last_one_was() {
+    let gas = carbon_dioxide(700.0);
+    let head = wires(&[0.3, 0.3 + PI / 2.0]);
+    for n in 0..60 {
+        let last = at_angle(0.3 + 1.618 * n as f64).map(|x| 3.0 * x);
+        // Between the two axes: into that the wind blows which they face.
+        let wind = at_angle(PI + 0.3 + PI / 4.0 + 0.6 * (2.4 * n as f64).sin()).map(|x| 4.0 * x);
+        let measured = head.conductances(&gas, wind).map(|of| {
+            let error_w_k = SHARE as f32 * of.conductance_w_k;
+            Some(MeasuredConductance { conductance_w_k: of.conductance_w_k, variance_w2_k2: error_w_k * error_w_k })
+        });
+        let found = [None, Some(last)].map(|last_m_s| head.step(&mut WindState { last_m_s }, &gas, &measured));
+        assert_eq!(found[0].wind_m_s, found[1].wind_m_s, "{last:?} {wind:?}");
+        assert!(off(found[1].wind_m_s, wind) < 2e-2, "{last:?} {wind:?} {:?}", found[1]);
+    }
+}
+
+#[test]
 fn winds_round_a_cylinder_come_back_whatever_the_number_of_sectors() {
     let gas = carbon_dioxide(700.0);
     for count in 3..=8 {

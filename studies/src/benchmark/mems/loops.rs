@@ -107,9 +107,8 @@ pub fn days(
         let after = &record.rows[from..];
         let off = after.iter().map(|row| row.shift_v - f64::from(target));
         let steps = after.windows(2).map(|pair| (pair[1].shift_v - pair[0].shift_v).abs());
-        let mean = |rows: &[super::records::DeviceNumbers]| {
-            rows.iter().map(|row| row.symbol).sum::<f64>() / rows.len() as f64
-        };
+        let mean =
+            |rows: &[super::records::DeviceNumbers]| rows.iter().map(|row| row.symbol).sum::<f64>() / rows.len() as f64;
         let sixth = after.len() / 6;
         Ok(DaysFigures {
             order,

@@ -51,7 +51,8 @@ pub fn run_of(experiment: &DeviceExperiment) -> Result<DeviceRecord, MemsError> 
 impl DeviceRecord {
     /// Symbols and shifts as a record to identify from.
     pub fn table(&self) -> Result<RecordTable, RecordError> {
-        let column = |name: &str, of: fn(&DeviceNumbers) -> f64| vec![(name.to_owned(), self.rows.iter().map(of).collect())];
+        let column =
+            |name: &str, of: fn(&DeviceNumbers) -> f64| vec![(name.to_owned(), self.rows.iter().map(of).collect())];
         RecordTable::new(
             self.symbol_time_s,
             column("symbol", |row| row.symbol),

@@ -83,7 +83,11 @@ impl MemsReport {
                 format!("{} of {}", of.predicted.ones, of.predicted.symbols),
                 format!("{} … {}", brief(of.predicted.from_v), brief(of.predicted.to_v)),
                 format!("{} … {}", brief(from_v), brief(to_v)),
-                format!("{:.2} % of the span, {:.0} % of the width", 100.0 * off_v / of.span_v, 100.0 * off_v / width_v),
+                format!(
+                    "{:.2} % of the span, {:.0} % of the width",
+                    100.0 * off_v / of.span_v,
+                    100.0 * off_v / width_v
+                ),
                 of.first_order.map(brief).join(", "),
                 of.second_order.map(brief).join(", "),
             ]

@@ -94,6 +94,7 @@ fn a_long_recording_passes_in_the_memory_of_some_blocks() {
         combined_wind: false,
         earth_wind: false,
         cores: Vec::new(),
+        numbers: Vec::new(),
     };
     let mut writer = RecordingWriter::create(&temp.path, layout, &Metadata::new()).unwrap();
     let mut noise = 1_u32;
