@@ -1,8 +1,8 @@
 //! Unit and meaning of a recording's columns, by their names.
 
 use crate::names::{
-    CONDUCTANCE, EQUIVALENT_POWER, EVENT, GAS_TEMPERATURE, HEATER, OFFSET_CAPACITANCE, POWER, RAW_CONDUCTANCE, STATE,
-    SYMBOL, SYMBOL_CAPACITANCE, TEMPERATURE, TIME, TRUE_OFFSET_CAPACITANCE, TRUE_VOLTAGE_SHIFT, TRUE_WIND,
+    BITS, CONDUCTANCE, EQUIVALENT_POWER, EVENT, GAS_TEMPERATURE, HEATER, OFFSET_CAPACITANCE, POWER, RAW_CONDUCTANCE,
+    STATE, SYMBOL, SYMBOL_CAPACITANCE, TEMPERATURE, TIME, TRUE_OFFSET_CAPACITANCE, TRUE_VOLTAGE_SHIFT, TRUE_WIND,
     UNKNOWN_HEAT, UTC, VOLTAGE_SHIFT, element_of,
 };
 use crate::wind::{
@@ -22,8 +22,10 @@ const OF_ELEMENTS: [(&str, &str, &str); 7] = [
 ];
 
 /// Quantities of a MEMS capacitor.
-const OF_DEVICES: [(&str, &str, &str); 7] = [
+const OF_DEVICES: [(&str, &str, &str); 9] = [
     (SYMBOL, "1", "symbol held until the next row, -1 or 1; 0 at 0 V"),
+    (BITS[0], "1", "1 while a symbol 1 is held, else 0"),
+    (BITS[1], "1", "1 while a symbol -1 is held, else 0"),
     (VOLTAGE_SHIFT, "V", "voltage shift by the readings of the symbol before time_s"),
     (OFFSET_CAPACITANCE, "F", "offset of the capacitance by the same readings"),
     (SYMBOL_CAPACITANCE[0], "F", "capacitance at the end of the first part of the symbol before time_s"),

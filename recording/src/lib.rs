@@ -29,7 +29,7 @@
 //! | `state` | `standby`, `running` or `tripped:<cause>:<element>` | text |
 //! | `true_wind_x_m_s`, `true_wind_y_m_s`, `true_wind_z_m_s` | wind of the simulation over the interval | m/s |
 //! | `gas_temperature_c` | gas temperature of the simulation over the interval, when it changes | °C |
-//! | `symbol_<device>`, `voltage_shift_v_<device>`, `offset_capacitance_f_<device>`, `first_capacitance_f_<device>`, `second_capacitance_f_<device>` | of a MEMS capacitor: the symbol held over [t_n, t_{n+1}), and what the readings of the one before amount to | −1 or 1, V, F |
+//! | `symbol_<device>`, `bit1_<device>`, `bit0_<device>`, `voltage_shift_v_<device>`, `offset_capacitance_f_<device>`, `first_capacitance_f_<device>`, `second_capacitance_f_<device>` | of a MEMS capacitor: the symbol held over [t_n, t_{n+1}), as ±1 and as two inputs of 0 and 1, and what the readings of the one before amount to | −1 or 1, V, F |
 //! | `wind_…`, `conductance_w_k_<element>`, `raw_w_k_<element>`, `quality_flags` | the wind estimate ([`wind`]), of calibrated heads | |
 //!
 //! Hyphens in an element's name are underscores in its columns. Metadata (`format = 2`, head,
@@ -95,7 +95,7 @@ pub use error::RecordingError;
 pub use file_format::check_name;
 pub use format1::{current_name, is_format_1, is_pair, renamed};
 pub use names::{
-    CONDUCTANCE, EQUIVALENT_POWER, EVENT, GAS_TEMPERATURE, GIVEN_WIND, HEATER, OFFSET_CAPACITANCE, POWER,
+    BITS, CONDUCTANCE, EQUIVALENT_POWER, EVENT, GAS_TEMPERATURE, GIVEN_WIND, HEATER, OFFSET_CAPACITANCE, POWER,
     RAW_CONDUCTANCE, REFERENCE, STATE, SYMBOL, SYMBOL_CAPACITANCE, TEMPERATURE, TIME, TRUE_OFFSET_CAPACITANCE,
     TRUE_VOLTAGE_SHIFT, TRUE_WIND, UNKNOWN_HEAT, UTC, VOLTAGE_SHIFT, column_name, element_of, in_columns,
     shared_column, stated_unit,

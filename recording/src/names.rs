@@ -39,6 +39,8 @@ pub const UNKNOWN_HEAT: &str = "unknown_heat_w_";
 pub const VOLTAGE_SHIFT: &str = "voltage_shift_v_";
 /// Symbol that drives it, −1 or +1; 0 at 0 V.
 pub const SYMBOL: &str = "symbol_";
+/// The same as two inputs: 1 while a symbol 1, or a symbol −1, is held, else 0.
+pub const BITS: [&str; 2] = ["bit1_", "bit0_"];
 /// Offset C₀ of its capacitance, F.
 pub const OFFSET_CAPACITANCE: &str = "offset_capacitance_f_";
 /// Its capacitance at the ends of the two parts of a symbol, F.

@@ -37,8 +37,9 @@ fn a_model_from_pseudo_random_symbols_predicts_the_closed_loop() {
     for caption in ["Voltage shift", "Mean symbol", "Offset of the capacitance"] {
         assert!(drawn.contains(caption), "{caption}");
     }
-    let columns = ["--input", "symbol_mems_quick", "--output", "voltage_shift_v_mems_quick"];
-    let identify = [&["identify", "prbs.parquet", "-o", "charge.json"], &columns[..]].concat();
+    let columns = ["--input", "bit1_mems_quick", "bit0_mems_quick", "--output", "voltage_shift_v_mems_quick"];
+    let from_rest = ["--initial-state", "rest", "--drift", "none"];
+    let identify = [&["identify", "prbs.parquet", "-o", "charge.json"], &columns[..], &from_rest].concat();
     stdout(&anemo(folder, &identify));
     for (order, tolerance_v) in [(1, 0.01), (2, 0.001)] {
         let drive = format!("{{ hold = {{ shift_v = 0.15, order = {order} }} }}");

@@ -10,19 +10,26 @@ use diffusive::model::{Model, ModelError, PairClass};
 use diffusive::predict::analysis::{LoopConditions, analyse};
 use diffusive::predict::loop_model::LoopModel;
 use dr_core::control::Drive;
-use dr_core::model::Reachability;
 use host_sim::instrument::in_process::InProcess;
 use recording::RecordingRow;
 
-pub use locking::{Plateau, SymbolResponse};
+pub use locking::{Plateau, ResponsePart, SymbolResponse};
 pub use report::{DevicePrediction, HeldPhase};
 
 use crate::experiment::DeviceExperiment;
 use crate::run::{DeviceRunError, run};
-use modelled::ModelledDevice;
+use modelled::{ModelledDevice, SymbolInputs};
 
 /// Longest stream of a plateau that is looked for, symbols.
 const MOST_SYMBOLS: usize = 12;
+
+/// What a model answers to symbols that never cease.
+///
+/// # Errors
+/// If it is no model of charge.
+pub fn response_of(model: &Model, symbol_time_s: f64) -> Result<SymbolResponse, ModelError> {
+    SymbolInputs::of(model).map(|inputs| inputs.response(model, symbol_time_s))
+}
 
 /// Why nothing is predicted.
 #[derive(Debug, thiserror::Error)]
@@ -44,23 +51,20 @@ pub fn predict(
     experiment: &DeviceExperiment,
     sink: &mut dyn FnMut(&RecordingRow) -> Result<(), DeviceRunError>,
 ) -> Result<DevicePrediction, DevicePredictError> {
-    let part = PairClass::find(model, None, None)?;
-    part.refuse_wind()?;
+    let inputs = SymbolInputs::of(model)?;
     let symbol_time_s = experiment.shape.symbol_time_s;
-    let mut port = ModelledDevice::new(model, &experiment.device, symbol_time_s);
-    let on_model = ModelledDevice::experiment(experiment);
-    let run = run(&on_model, Box::new(InProcess::new()), &mut port, sink)?;
-    let loop_model = LoopModel::of(&part, None)?;
-    let response = SymbolResponse {
-        offset_v: part.offset_c(),
-        rates_rad_s: part.pair.mesh_rad_s.clone(),
-        gains_v: part.class.r_k_per_w.clone(),
-        symbol_time_s,
+    let mut port = ModelledDevice::new(model, inputs, &experiment.device, symbol_time_s);
+    let run = run(experiment, Box::new(InProcess::new()), &mut port, sink)?;
+    let response = inputs.response(model, symbol_time_s);
+    // From rest two inputs have no sliding surface of their own, and none has what follows at once.
+    let loop_model = match inputs {
+        SymbolInputs::Symbol => LoopModel::of(&PairClass::find(model, None, None)?, None).ok(),
+        SymbolInputs::Bits(_) => None,
     };
     // Narrower ones are lost in the noise of a reading.
     let plateaus = response.plateaus(MOST_SYMBOLS, experiment.device.shift_noise_v(&experiment.shape));
-    let steady_v = loop_model.surface.steady_gain_k_per_w;
-    let range_v = [loop_model.unheated_c - steady_v.abs(), loop_model.unheated_c + steady_v.abs()];
+    let steady_v = response.steady_v();
+    let range_v = [response.offset_v - steady_v.abs(), response.offset_v + steady_v.abs()];
     let held = experiment.phases.iter().filter_map(|phase| {
         let (target_v, _) = phase.drive.target_range_c()?;
         let conditions = LoopConditions {
@@ -69,16 +73,17 @@ pub fn predict(
             power_high_w: 1.0,
             sample_period_s: symbol_time_s,
         };
-        let found = analyse(&loop_model, Some(conditions)).held?;
+        let found = loop_model.as_ref().and_then(|of| analyse(of, Some(conditions)).held);
+        let steady_symbol = (f64::from(target_v) - response.offset_v) / steady_v;
         let locks = matches!(phase.drive, Drive::Temperature { .. });
         let inside = |plateau: &&Plateau| (plateau.from_v..plateau.to_v).contains(&f64::from(target_v));
         Some(HeldPhase {
             start_s: experiment.time_s(phase.tick),
             target_v: target_v.into(),
-            is_reachable: matches!(found.verdict, Reachability::Reachable { .. }),
-            steady_symbol: (f64::from(target_v) - loop_model.unheated_c) / steady_v,
-            reaching_from_rest_s: found.reaching_time_s,
-            settled_from_rest_s: found.settled_s,
+            is_reachable: steady_symbol.abs() < 1.0,
+            steady_symbol,
+            reaching_from_rest_s: found.as_ref().and_then(|of| of.reaching_time_s),
+            settled_from_rest_s: found.as_ref().and_then(|of| of.settled_s),
             plateau: plateaus.iter().find(inside).filter(|_| locks).copied(),
         })
     });

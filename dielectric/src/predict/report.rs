@@ -51,13 +51,12 @@ impl fmt::Display for DevicePrediction {
         for held in &self.held {
             write!(f, "set-point {} V from {} s: ", brief(held.target_v), held.start_s)?;
             if held.is_reachable {
-                writeln!(
-                    f,
-                    "steady mean symbol {}; from rest reached after {} s, settled after {} s",
-                    brief(held.steady_symbol),
-                    words(held.reaching_from_rest_s),
-                    words(held.settled_from_rest_s)
-                )?;
+                write!(f, "steady mean symbol {}", brief(held.steady_symbol))?;
+                if held.reaching_from_rest_s.is_some() {
+                    let [reached, settled] = [held.reaching_from_rest_s, held.settled_from_rest_s].map(words);
+                    write!(f, "; from rest reached after {reached} s, settled after {settled} s")?;
+                }
+                writeln!(f)?;
             } else {
                 writeln!(
                     f,

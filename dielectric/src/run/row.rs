@@ -3,8 +3,8 @@
 use dr_core::control::RunState;
 use host_sim::instrument::TickSample;
 use recording::{
-    Metadata, OFFSET_CAPACITANCE, RecordingLayout, RecordingRow, SYMBOL, SYMBOL_CAPACITANCE, TRUE_OFFSET_CAPACITANCE,
-    TRUE_VOLTAGE_SHIFT, VOLTAGE_SHIFT, column_name,
+    BITS, Metadata, OFFSET_CAPACITANCE, RecordingLayout, RecordingRow, SYMBOL, SYMBOL_CAPACITANCE,
+    TRUE_OFFSET_CAPACITANCE, TRUE_VOLTAGE_SHIFT, VOLTAGE_SHIFT, column_name,
 };
 
 use super::{DeviceRunError, trip_words};
@@ -14,7 +14,8 @@ use crate::symbol::ChargeSymbol;
 
 /// Quantities of a device, in the order of its columns: the symbol that is held from t_n on, the
 /// voltage shift and C₀ by the readings of the symbol before t_n, and these readings.
-const MEASURED: [&str; 5] = [SYMBOL, VOLTAGE_SHIFT, OFFSET_CAPACITANCE, SYMBOL_CAPACITANCE[0], SYMBOL_CAPACITANCE[1]];
+const MEASURED: [&str; 7] =
+    [SYMBOL, BITS[0], BITS[1], VOLTAGE_SHIFT, OFFSET_CAPACITANCE, SYMBOL_CAPACITANCE[0], SYMBOL_CAPACITANCE[1]];
 /// The same of the simulation.
 const TRUE: [&str; 2] = [TRUE_VOLTAGE_SHIFT, TRUE_OFFSET_CAPACITANCE];
 
@@ -31,7 +32,10 @@ pub fn metadata(experiment: &DeviceExperiment, instrument: &str) -> Metadata {
         ("title", experiment.title.clone()),
         ("instrument", instrument.to_owned()),
         ("sample_period_s", experiment.shape.symbol_time_s.to_string()),
-        ("units", "time_s: s; symbol: -1 or 1, 0 at 0 V; voltage_shift_v: V; capacitance_f: F".to_owned()),
+        (
+            "units",
+            "time_s: s; symbol: -1 or 1, 0 at 0 V; bit1, bit0: 0 or 1; voltage_shift_v: V; capacitance_f: F".to_owned(),
+        ),
         ("device_name", experiment.device.name.clone()),
         ("experiment", experiment.source.text.clone()),
         ("device", experiment.device.source.text.clone()),
@@ -68,7 +72,8 @@ impl DeviceRow {
             Some(ChargeSymbol::Bit1) => 1.0,
         };
         let [first_f, second_f] = readings.map(|reading| reading.map_or(f32::NAN, |of| of as f32));
-        let mut numbers = vec![symbol, measured(0), measured(1), first_f, second_f];
+        let [bit1, bit0] = [1.0, -1.0].map(|of| if symbol == of { 1.0 } else { 0.0 });
+        let mut numbers = vec![symbol, bit1, bit0, measured(0), measured(1), first_f, second_f];
         numbers.extend(truth.iter().flat_map(|truth| [truth.shift_v as f32, truth.offset_f as f32]));
         Self { symbol, shift_v: measured(0), state: sample.state, truth, numbers }
     }

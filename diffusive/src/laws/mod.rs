@@ -22,7 +22,8 @@
 //! the other two it is the one that their formula describes by one number.
 //!
 //! A record is cut in two. All laws are fitted to the first part by one driver, the diffusive model
-//! is identified from it by [`identify`](crate::identify::identify) with its defaults, and all
+//! is identified from it by [`identify`](crate::identify::identify) with its defaults but for an
+//! offset that stands, and all
 //! forecast the second part, whose input is known and whose output is not looked at. [`compare()`]
 //! does it all; [`LawsReport`] is the table.
 //!

@@ -1,11 +1,11 @@
-//! The diffusive model as one more law: identified from the first part with all defaults, then
+//! The diffusive model as one more law: identified from the first part with all defaults, and an offset that stands, then
 //! going on where that ended.
 
 use super::record::ForecastRecord;
 use super::report::LawTerm;
 use crate::identify::record::RecordError;
 use crate::identify::validate::{ValidationStart, validate};
-use crate::identify::{IdentifyOptions, InitialState, Progress, identify};
+use crate::identify::{DriftGiven, IdentifyOptions, InitialState, Progress, identify};
 use crate::model::Model;
 
 /// What the line is called.
@@ -15,7 +15,8 @@ pub const NAME: &str = "diffusive model";
 pub fn forecast(record: &ForecastRecord, progress: &mut Progress<'_>) -> Result<(Model, Vec<f64>), RecordError> {
     let (fitted, rows) = (record.fitted, record.block.len());
     let mut predicted = vec![f64::NAN; rows];
-    let options = IdentifyOptions::default();
+    // Its rest stands still, as that of the laws.
+    let options = IdentifyOptions { drift: DriftGiven::None, ..IdentifyOptions::default() };
     let mut first = record.part(0..fitted);
     let model = identify(&mut first, &options, progress, &mut |row| {
         // Outputs on other meshes have a reading of their own.

@@ -26,6 +26,14 @@ struct ForwardBank {
     feed_through: f64,
 }
 
+impl ForwardBank {
+    /// What follows at once from inputs of a class.
+    fn fed_through(&self, (values, class): &(Vec<f64>, usize)) -> f64 {
+        let is_driven = self.feed_through != 0.0 && self.class.is_none_or(|own| own == *class);
+        if is_driven { self.feed_through * values[self.input] } else { 0.0 }
+    }
+}
+
 struct Decay {
     output: usize,
     /// e^(−ξ Ts)
@@ -204,6 +212,8 @@ impl Forward {
         for bank in &self.banks {
             outputs[bank.output] +=
                 bank.x.iter().zip(&bank.resistance).map(|(x, resistance)| x * resistance).sum::<f64>();
+            let late = self.past.len().checked_sub(bank.delay).filter(|_| bank.delay > 0);
+            outputs[bank.output] += late.map_or(0.0, |at| bank.fed_through(&self.past[at]));
         }
     }
 
@@ -215,17 +225,11 @@ impl Forward {
             gas.add(gas_c, outputs);
         }
         let newest = (inputs.to_vec(), class);
-        self.past.push(newest);
-        let last = self.past.len() - 1;
-        // Feed-through answers to the input of this very row, as far as the dead time lets it.
-        for bank in &self.banks {
-            if bank.feed_through != 0.0 {
-                let (values, class) = &self.past[last - bank.delay];
-                if bank.class.is_none_or(|own| own == *class) {
-                    outputs[bank.output] += bank.feed_through * values[bank.input];
-                }
-            }
+        // Without a dead time, feed-through answers to the input of this very row.
+        for bank in self.banks.iter().filter(|bank| bank.delay == 0) {
+            outputs[bank.output] += bank.fed_through(&newest);
         }
+        self.past.push(newest);
     }
 
     /// Holds the inputs over [t_n, t_{n+1}), less what the wind and growing losses take from

@@ -22,7 +22,7 @@ use super::lockout::Lockout;
 use super::rise::{self, Rise};
 use super::state::{BOARD_ELEMENTS, Heaters, MOST_ELEMENTS, Probe, RunState, Tick};
 use super::targets::{self, Margins};
-use super::transducer::{LastSymbol, Transducer, judge_resistor, judge_symbol};
+use super::transducer::{Transducer, judge_resistor, judge_symbol};
 use crate::checksum::Checksum;
 use crate::command::HOST_TIMEOUT_S;
 use crate::model::{ORDER, Observer, ObserverState, RelaxationState, SelfHeating};
@@ -46,8 +46,6 @@ struct ElementState {
     measured: f32,
     /// What it was worked out from: resistance, Ω, or offset of the capacitance, F.
     raw: f32,
-    /// Of a capacitor.
-    last_symbol: LastSymbol,
     /// Ticks in a row without a fresh reading.
     absent_ticks: u32,
     /// Ticks in a row that the drive was saturated.
@@ -375,13 +373,10 @@ impl<const N: usize> Controller<N> {
             let judgement = match &element.transducer {
                 Transducer::Resistor(config) => judge_resistor(config, *reading, self.levels.level(i)),
                 // Without a bias the readings are of no symbol.
-                Transducer::Capacitor(_) if !self.levels.is_high(i + 1) => {
-                    state.last_symbol = None;
-                    continue;
-                }
+                Transducer::Capacitor(_) if !self.levels.is_high(i + 1) => continue,
                 Transducer::Capacitor(config) => {
                     let both = [Some(reading), readings.get(i + 1)];
-                    judge_symbol(config, both, self.levels.level(i), &mut state.last_symbol)
+                    judge_symbol(config, both, self.levels.level(i))
                 }
                 Transducer::Bias => {
                     // It shows what else the readings of its capacitor amount to.

@@ -14,7 +14,7 @@ use super::guard::{self, Cause, ReadingJudgement};
 use super::hardware_limits::HardwareLimits;
 use super::state::ElementConfig;
 use crate::error::{self, ConfigError, Parameter};
-use crate::sensor::capacitor::{Shift, SymbolCodes};
+use crate::sensor::capacitor::Shift;
 use crate::sensor::{Capacitor, Level, Reading};
 
 /// A capacitor and what is plausible for it.
@@ -59,9 +59,6 @@ pub(super) enum Transducer {
 
 crate::fields::fields!(enum Transducer { 0 Resistor(config), 1 Capacitor(config), 2 Bias });
 
-/// What of a symbol the next one needs: its bit and its last code.
-pub(super) type LastSymbol = Option<(Level, i32)>;
-
 impl Transducer {
     /// The resistor, if it is one.
     pub const fn resistor(&self) -> Option<&ElementConfig> {
@@ -101,13 +98,7 @@ impl Transducer {
 }
 
 /// Judges the two readings of a symbol; the second is that of the place of the bias.
-pub(super) fn judge_symbol(
-    config: &CapacitorConfig,
-    readings: [Option<&Reading>; 2],
-    bit: Level,
-    last: &mut LastSymbol,
-) -> ReadingJudgement {
-    let former = last.take();
+pub(super) fn judge_symbol(config: &CapacitorConfig, readings: [Option<&Reading>; 2], bit: Level) -> ReadingJudgement {
     let mut codes = [0; 2];
     for (code, reading) in codes.iter_mut().zip(readings) {
         *code = match reading {
@@ -122,10 +113,7 @@ pub(super) fn judge_symbol(
             return ReadingJudgement::Bad(Cause::PullIn);
         }
     }
-    let [first, second] = codes;
-    *last = Some((bit, second));
-    let before = former.filter(|(before, _)| *before == bit).map(|(_, code)| code);
-    let Shift { shift_v, offset_f } = config.capacitor.shift(&SymbolCodes { before, first, second }, bit);
+    let Shift { shift_v, offset_f } = config.capacitor.shift(codes, bit);
     if !shift_v.is_finite() {
         ReadingJudgement::Bad(Cause::NonFinite)
     } else if shift_v > config.shift_max_v || shift_v < -config.shift_max_v {

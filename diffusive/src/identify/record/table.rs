@@ -78,6 +78,12 @@ impl RecordTable {
         Ok(Self { survey, blocks: blocks.collect(), next: 0, classes: vec!["all".to_owned()] })
     }
 
+    /// The same record, beginning at another time.
+    pub fn starting_at(mut self, first_time_s: f64) -> Self {
+        self.survey.first_time_s = first_time_s;
+        self
+    }
+
     /// Some rows of a record of one segment that is kept whole, as a record of one class and
     /// without gas. Outputs that are missing stay so, and times stay the record's.
     pub fn part(survey: &Survey, all: &Block, rows: Range<usize>) -> Self {

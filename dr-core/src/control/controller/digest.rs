@@ -43,7 +43,6 @@ impl ElementState {
                 },
             measured,
             raw,
-            last_symbol: _,
             absent_ticks,
             saturated_ticks,
             code: _,

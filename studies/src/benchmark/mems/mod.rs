@@ -18,17 +18,19 @@ pub mod readings;
 pub mod records;
 pub mod report;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use dielectric::experiment::DeviceExperiment;
 use dielectric::predict::DevicePredictError;
 use dielectric::run::DeviceRunError;
 use diffusive::identify::record::RecordError;
+use diffusive::identify::validate::{ValidationStart, validate};
+use diffusive::identify::{Constraints, DriftGiven, IdentifyOptions, InitialState, identify};
 use diffusive::laws::{FittedPart, compare};
 use plot::{Canvas, PlotError};
 use recording::toml_file::FileError;
 
-pub use report::MemsReport;
+pub use report::{MemsReport, TwoSymbolFigures};
 
 /// Identified from, and predicted then, s.
 const DAY_S: f64 = 86_400.0;
@@ -68,21 +70,26 @@ pub fn measure(experiments: &Path, pictures: &Path, progress: &dyn Fn(&str)) -> 
     progress("laws and the diffusive model");
     let report = compare(&mut record.table()?, FittedPart::UntilS(DAY_S), &mut |_, _, _| {})?;
     picture("mems-laws.svg")?.draw(&plot::laws::laws_figure(&report))?;
+    let day = (DAY_S / record.symbol_time_s) as usize - 1;
+    let options = IdentifyOptions {
+        drift: DriftGiven::None,
+        constraints: Constraints { initial_state: Some(InitialState::Rest), ..Constraints::default() },
+        ..IdentifyOptions::default()
+    };
+    let model = identify(&mut record.table_of_bits(0..day)?, &options, &mut |_, _, _| {}, &mut |_| {})?;
+    let rest = &mut record.table_of_bits(day..record.rows.len())?;
+    let two_symbols = validate(&model, rest, ValidationStart::Continue, &mut |_| {})?;
     progress("bias steps");
     let steps = records::run_of(&read("steps.toml")?)?;
     picture("mems-steps.svg")?.draw(&plot::run::figure(&steps.recording)?)?;
     progress("closed loops");
-    let held = loops::predicted(&report.model, &prbs)?;
+    let held = loops::predicted(&model, &prbs)?;
     let days = loops::days(&read("days.toml")?, &|name, recording| {
         picture(name)?.draw(&plot::run::figure(recording)?)?;
         Ok(())
     })?;
     progress("plateaus");
     let plateaus = plateaus::compare(&read("locking.toml")?)?;
-    Ok(MemsReport { readings, laws: report, held, days, plateaus })
-}
-
-/// The pictures of the page.
-pub fn pictures() -> [PathBuf; 5] {
-    ["mems-prbs.svg", "mems-laws.svg", "mems-steps.svg", "mems-days-1.svg", "mems-days-2.svg"].map(PathBuf::from)
+    let two_symbols = TwoSymbolFigures::of(&two_symbols, &model);
+    Ok(MemsReport { readings, laws: report, two_symbols, held, days, plateaus })
 }

@@ -2,9 +2,8 @@
 //! for in the simulated loop.
 
 use dielectric::experiment::{DeviceExperiment, DevicePhase};
-use dielectric::predict::{Plateau, SymbolResponse};
-use diffusive::identify::{IdentifyOptions, identify};
-use diffusive::model::PairClass;
+use dielectric::predict::{DevicePredictError, Plateau, response_of};
+use diffusive::identify::{DriftGiven, IdentifyOptions, identify};
 use dr_core::control::Drive;
 use serde::Serialize;
 
@@ -40,15 +39,10 @@ pub struct PlateauFigures {
 /// Identifies the device of an experiment from its own run, and compares the widest plateaus.
 pub fn compare(experiment: &DeviceExperiment) -> Result<Vec<PlateauFigures>, MemsError> {
     let record = run_of(experiment)?;
-    let model = identify(&mut record.table()?, &IdentifyOptions::default(), &mut |_, _, _| {}, &mut |_| {})?;
-    let part = PairClass::find(&model, None, None).map_err(dielectric::predict::DevicePredictError::from)?;
-    let response = SymbolResponse {
-        offset_v: part.offset_c(),
-        rates_rad_s: part.pair.mesh_rad_s.clone(),
-        gains_v: part.class.r_k_per_w.clone(),
-        symbol_time_s: experiment.shape.symbol_time_s,
-    };
-    let span_v = 2.0 * response.gains_v.iter().sum::<f64>().abs();
+    let options = IdentifyOptions { drift: DriftGiven::None, ..IdentifyOptions::default() };
+    let model = identify(&mut record.table()?, &options, &mut |_, _, _| {}, &mut |_| {})?;
+    let response = response_of(&model, record.symbol_time_s).map_err(DevicePredictError::from)?;
+    let span_v = 2.0 * response.steady_v().abs();
     let mut plateaus = response.plateaus(MOST_SYMBOLS, experiment.device.shift_noise_v(&experiment.shape));
     plateaus.sort_by(|a, b| (b.to_v - b.from_v).total_cmp(&(a.to_v - a.from_v)));
     plateaus.truncate(COUNT);

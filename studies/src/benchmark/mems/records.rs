@@ -41,7 +41,7 @@ pub fn run_of(experiment: &DeviceExperiment) -> Result<DeviceRecord, MemsError> 
     let mut device = experiment.simulated()?;
     let summary = run(experiment, Box::new(InProcess::new()), &mut device, &mut |row| {
         let of = |place: usize| row.estimate.get(place).map_or(f64::NAN, |&of| of.into());
-        rows.push(DeviceNumbers { symbol: of(0), shift_v: of(1), readings_f: [of(3), of(4)], true_v: of(5) });
+        rows.push(DeviceNumbers { symbol: of(0), shift_v: of(3), readings_f: [of(5), of(6)], true_v: of(7) });
         collector.push(row).map_err(DeviceRunError::from)
     })?;
     let recording = collector.finish(&Vec::new());
@@ -58,5 +58,18 @@ impl DeviceRecord {
             column("symbol", |row| row.symbol),
             column("voltage_shift_v", |row| row.shift_v),
         )
+    }
+
+    /// Some rows of the same with the two symbols as two inputs.
+    pub fn table_of_bits(&self, rows: std::ops::Range<usize>) -> Result<RecordTable, RecordError> {
+        let first_s = rows.start as f64 * self.symbol_time_s;
+        let rows = &self.rows[rows];
+        let input = |name: &str, of: f64| {
+            let is = |row: &DeviceNumbers| if row.symbol == of { 1.0 } else { 0.0 };
+            (name.to_owned(), rows.iter().map(is).collect())
+        };
+        let output = vec![("voltage_shift_v".to_owned(), rows.iter().map(|row| row.shift_v).collect())];
+        let inputs = vec![input("bit1_mems", 1.0), input("bit0_mems", -1.0)];
+        Ok(RecordTable::new(self.symbol_time_s, inputs, output)?.starting_at(first_s))
     }
 }

@@ -2,7 +2,9 @@
 
 use std::fmt;
 
+use diffusive::identify::validate::ValidationReport;
 use diffusive::laws::LawsReport;
+use diffusive::model::{Model, Pair};
 use recording::text::{columns, four_digits as brief};
 use serde::Serialize;
 
@@ -17,12 +19,38 @@ pub struct MemsReport {
     pub readings: [ReadingFigures; 2],
     /// A day fitted, the next one forecast.
     pub laws: LawsReport,
+    /// The diffusive model of two inputs, one a symbol, on the same days.
+    pub two_symbols: TwoSymbolFigures,
     /// Set-points, predicted and simulated.
     pub held: Vec<LoopFigures>,
     /// Two days at a set-point.
     pub days: [DaysFigures; 2],
     /// Where the loop of first order locks.
     pub plateaus: Vec<PlateauFigures>,
+}
+
+/// A model of two symbols, from a device without charge.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TwoSymbolFigures {
+    /// Fit on the second day, forecast, %.
+    pub fit_percent: Option<f64>,
+    /// Its error, V rms.
+    pub rmse_v: f64,
+    /// Steady shift under one symbol for ever, V: 1, −1.
+    pub steady_v: [f64; 2],
+}
+
+impl TwoSymbolFigures {
+    /// From what validation found.
+    pub(super) fn of(report: &ValidationReport, model: &Model) -> Self {
+        let steady_v = |pair: &Pair| pair.classes.values().flat_map(|class| &class.r_k_per_w).sum::<f64>();
+        let mut pairs = model.pairs.iter().map(steady_v);
+        Self {
+            fit_percent: report.outputs.first().and_then(|output| output.fit_percent),
+            rmse_v: report.outputs.first().map_or(f64::NAN, |output| output.rmse),
+            steady_v: [pairs.next().unwrap_or(f64::NAN), pairs.next().unwrap_or(f64::NAN)],
+        }
+    }
 }
 
 /// A table: its head, and rows of numbers and words.
@@ -52,6 +80,14 @@ impl MemsReport {
                 brief(of.held_out.rmse),
             ]
         });
+        let [up_v, down_v] = self.two_symbols.steady_v.map(brief);
+        let two = vec![
+            format!("diffusive model of two symbols, from rest ({up_v} and {down_v} V in the end)"),
+            "–".to_owned(),
+            "–".to_owned(),
+            percent(self.two_symbols.fit_percent),
+            brief(self.two_symbols.rmse_v),
+        ];
         let held = self.held.iter().map(|of| {
             let [predicted, simulated] = of.mean_symbol;
             let [predicted_v, simulated_v] = of.mean_shift_v;
@@ -101,7 +137,7 @@ impl MemsReport {
             ResultTable {
                 title: "A day identified, the next one forecast",
                 head: vec!["law", "numbers", "fit, first day", "fit, second day", "V rms"],
-                rows: laws.collect(),
+                rows: laws.chain([two]).collect(),
             },
             ResultTable {
                 title: "Set-points, predicted from the model and simulated",
