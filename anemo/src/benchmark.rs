@@ -37,8 +37,8 @@ use studies::benchmark::wind::{self, BenchmarkReport, page};
 /// with buoyancy and a cooled stem: how wrong the wind is, and whether the estimates say so. Half a
 /// minute a specimen.
 ///
-/// `mems`: charge in the dielectric of a MEMS: readings, models and laws, closed loops predicted and
-/// simulated, and where they lock. --experiments names its own folder.
+/// `mems`: charge in the dielectric of a MEMS: readings, models and laws, closed loops predicted
+/// and simulated, and where they lock. --experiments names its own folder.
 ///
 /// `heads`: heads of every form as `anemo head new` writes them, from nothing to wind: identified,
 /// calibrated, and judged in winds that they have not seen; or in their place those of --head, in

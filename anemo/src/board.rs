@@ -27,8 +27,8 @@ pub(super) const EMULATED: &str = "Emulated board";
 /// The instrument that a command works with.
 #[derive(clap::Args)]
 pub(super) struct InstrumentArguments {
-    /// The instrument: simulated in this process, an emulated or a sensor board; of a MEMS capacitor
-    /// also an LCR meter at HOST or HOST:PORT.
+    /// The instrument: simulated in this process, an emulated or a sensor board; of a MEMS
+    /// capacitor also an LCR meter at HOST or HOST:PORT.
     #[arg(long, value_name = "sim|qemu|serial:DEVICE|scpi:HOST")]
     pub(super) on: On,
     #[command(flatten)]

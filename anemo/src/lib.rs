@@ -198,7 +198,7 @@ pub fn main() -> ExitCode {
         }
     };
     let outcome = match arguments.command {
-        Subcommands::Run(arguments) => run::execute(&arguments),
+        Subcommands::Run(arguments) => run_device::execute(&arguments),
         Subcommands::Log(arguments) => log::execute(&arguments),
         Subcommands::Mark(arguments) => mark::execute(&arguments),
         Subcommands::Live(arguments) => live::execute(&arguments),
@@ -224,7 +224,7 @@ pub fn main() -> ExitCode {
         Subcommands::Convert(arguments) => convert::execute(&arguments),
         Subcommands::Reduce(arguments) => reduce::execute(&arguments),
         Subcommands::Analyse(arguments) => analyse::execute(&arguments),
-        Subcommands::Predict(arguments) => predict::execute(&arguments),
+        Subcommands::Predict(arguments) => predict_device::execute(&arguments),
         #[cfg(feature = "studies")]
         Subcommands::Thesis(arguments) => thesis::execute(&arguments),
         #[cfg(feature = "studies")]

@@ -75,9 +75,6 @@ pub struct Arguments {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    if let Some(experiment) = crate::run_device::experiment_of(&arguments.experiment)? {
-        return crate::predict_device::execute(arguments, &experiment);
-    }
     let read: Vec<&Path> =
         [&arguments.model, &arguments.experiment].into_iter().chain(&arguments.against).map(PathBuf::as_path).collect();
     crate::output::keep(&read, &[arguments.output.as_deref(), arguments.picture.path()])?;

@@ -1,4 +1,4 @@
-//! `anemo predict` for an experiment on a device, a MEMS capacitor.
+//! `anemo predict` where the experiment may be one on a device, a MEMS capacitor.
 
 use std::path::{Path, PathBuf};
 
@@ -11,7 +11,15 @@ use dielectric::run::{DeviceRunError, layout, metadata, phases_of};
 use diffusive::model::Model;
 use recording::{Recording, WriterOptions};
 
-pub fn execute(arguments: &Arguments, experiment: &DeviceExperiment) -> Result<(), Failure> {
+/// An experiment on a head, or on a device.
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    match crate::run_device::experiment_of(&arguments.experiment)? {
+        Some(experiment) => predict_of_device(arguments, &experiment),
+        None => crate::predict::execute(arguments),
+    }
+}
+
+fn predict_of_device(arguments: &Arguments, experiment: &DeviceExperiment) -> Result<(), Failure> {
     let read: Vec<&Path> =
         [&arguments.model, &arguments.experiment].into_iter().chain(&arguments.against).map(PathBuf::as_path).collect();
     crate::output::keep(&read, &[arguments.output.as_deref(), arguments.picture.path()])?;

@@ -10,7 +10,6 @@ use crate::output::Failure;
 use crate::picture::PictureArguments;
 use crate::progress::on_interrupt;
 use crate::recorded::RecordingOutputs;
-use crate::run_device;
 use host_sim::experiment::Experiment;
 use host_sim::run::{RunError, RunSummary, TripSummary, run};
 use recording::{Metadata, RecordingLayout, SegmentLength, WriterOptions};
@@ -40,7 +39,7 @@ Examples:
   anemo run experiments/mems/hold.toml --on scpi:192.168.0.17 -o hold.csv")]
 pub struct Arguments {
     /// The experiment: a TOML file.
-    experiment: PathBuf,
+    pub(super) experiment: PathBuf,
     #[command(flatten)]
     pub(super) instrument: InstrumentArguments,
     /// Record every tick to this .parquet or .csv file, or to a folder of segments.
@@ -57,9 +56,6 @@ pub struct Arguments {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    if let Some(experiment) = run_device::experiment_of(&arguments.experiment)? {
-        return run_device::execute(arguments, &experiment);
-    }
     let (experiment, _) = crate::output::read_experiment(&arguments.experiment, arguments.instrument.on.board())?;
     crate::output::note_corrections(&experiment.head);
     experiment.differences().iter().for_each(|difference| crate::output::warn(difference));

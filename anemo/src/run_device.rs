@@ -1,4 +1,4 @@
-//! `anemo run`, `check` and `predict` for an experiment on a device, a MEMS capacitor.
+//! `anemo run` where the experiment may be one on a device, a MEMS capacitor.
 
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -33,7 +33,15 @@ pub fn experiment_of(path: &Path) -> Result<Option<DeviceExperiment>, Failure> {
     DeviceExperiment::from_source(source).map(Some).map_err(Failure::usage)
 }
 
-pub fn execute(arguments: &Arguments, experiment: &DeviceExperiment) -> Result<(), Failure> {
+/// An experiment on a head, or on a device.
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    match experiment_of(&arguments.experiment)? {
+        Some(experiment) => run_on_device(arguments, &experiment),
+        None => crate::run::execute(arguments),
+    }
+}
+
+fn run_on_device(arguments: &Arguments, experiment: &DeviceExperiment) -> Result<(), Failure> {
     let instrument = &arguments.instrument;
     let simulated = !matches!(instrument.on, On::Scpi(_));
     let layout = layout(experiment, simulated);

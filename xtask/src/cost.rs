@@ -39,11 +39,11 @@ const KERNELS: [Kernel; 14] = [
     // 3 610 in the mean; one element's drive and model are verified in a tick, and the largest take
     // some 250 more. 150 are for the lock-out, the silence of the host and the head on the plug,
     // whose sixteen words are under the checksum, too; 150 an element for what it has had of energy
-    // and whether the high level warms it.
-    kernel("control_6_elements", "control tick: 6 elements, all drives, with models", 3_980),
-    kernel("control_6_elements_observing", "the same, observing", 4_660),
-    kernel("control_6_of_16", "control tick: the 6 elements on a controller of 16", 4_390),
-    kernel("control_13_of_16", "13 elements on a controller of 16", 8_130),
+    // and whether the high level warms it; 60 for what it is, as not every one is a resistor.
+    kernel("control_6_elements", "control tick: 6 elements, all drives, with models", 4_320),
+    kernel("control_6_elements_observing", "the same, observing", 5_000),
+    kernel("control_6_of_16", "control tick: the 6 elements on a controller of 16", 4_810),
+    kernel("control_13_of_16", "13 elements on a controller of 16", 9_000),
     kernel("platinum_linear", "resistance to temperature, linear", 16),
     kernel("platinum_iec60751", "resistance to temperature, IEC 60751", 135),
     kernel("prbs_step", "pseudo-random bit", 20),

@@ -15,32 +15,30 @@ struct Page {
     commands: &'static [&'static str],
 }
 
-const PAGES: [Page; 4] = [
+const PAGES: [Page; 6] = [
     Page {
         file: "command-line.md",
         kind: "instruments",
-        about: "Run a simulated or real instrument, and look at it and its recordings.",
-        commands: &[
-            "check",
-            "run",
-            "log",
-            "mark",
-            "live",
-            "self-test",
-            "settings",
-            "status",
-            "recover",
-            "convert",
-            "plot",
-        ],
+        about: "Run a simulated or real instrument, and look at it.",
+        commands: &["check", "run", "log", "mark", "live", "self-test", "settings", "status"],
+    },
+    Page {
+        file: "command-line-recordings.md",
+        kind: "recordings",
+        about: "Close, convert and draw recordings.",
+        commands: &["recover", "convert", "plot"],
     },
     Page {
         file: "command-line-models.md",
         kind: "thermal models",
-        about: "Identify thermal models, judge and convert them, and predict closed loops with them.",
-        commands: &[
-            "identify", "merge", "validate", "laws", "export", "reduce", "analyse", "design", "predict", "example",
-        ],
+        about: "Identify thermal models, judge and convert them.",
+        commands: &["identify", "merge", "validate", "laws", "export", "reduce", "example"],
+    },
+    Page {
+        file: "command-line-loops.md",
+        kind: "closed loops",
+        about: "Analyse, design and predict closed loops from a model.",
+        commands: &["analyse", "design", "predict"],
     },
     Page {
         file: "command-line-heads.md",

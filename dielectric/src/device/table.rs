@@ -1,14 +1,16 @@
 //! The tables of a device's file, and what is checked of them.
 
+use std::path::Path;
+
 use serde::Deserialize;
 
 use super::carriers::{Carriers, Polarity};
-use super::{Device, MeterRange, Simulation};
+use super::content::{Device, MeterRange, Simulation};
 use recording::toml_file::{FileError, TomlSource};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct DeviceTable {
+struct DeviceTable {
     name: String,
     capacitor: CapacitorTable,
     limits: LimitsTable,
@@ -88,11 +90,22 @@ struct CarriersTable {
     slope: f64,
 }
 
+impl Device {
+    /// Reads a device.
+    ///
+    /// # Errors
+    /// File, line and what is wrong.
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        let source = TomlSource::read(path)?;
+        source.parse::<DeviceTable>()?.checked(source)
+    }
+}
+
 /// Most relaxations of a bank.
 const MOST_ORDER: usize = 100;
 
 impl DeviceTable {
-    pub fn checked(self, source: TomlSource) -> Result<Device, FileError> {
+    fn checked(self, source: TomlSource) -> Result<Device, FileError> {
         let Self { name, capacitor, limits, meter, simulation } = self;
         if name.is_empty() || !name.chars().all(|of| of.is_ascii_alphanumeric() || of == '-' || of == '_') {
             return Err(

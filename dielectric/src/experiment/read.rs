@@ -43,7 +43,7 @@ impl DeviceExperiment {
         let grid = TickGrid::new(&source, symbol_time_s, table.duration_s)?;
         let shape = shape(&source, &device, &table, symbol_time_s)?;
         let unreachable = table.unreachable_after_s.map(|time_s| grid.whole_ticks("unreachable_after_s", time_s));
-        let reader = DriveReader { grid: &grid, device: &device };
+        let reader = SymbolDriveReader { grid: &grid, device: &device };
         let mut phases =
             vec![DevicePhase { tick: 0, label: String::new(), drive: reader.drive("drive", &table.drive)? }];
         for (index, change) in table.changes.iter().enumerate() {
@@ -125,12 +125,12 @@ fn surroundings(source: &TomlSource, tables: &[SurroundingsTable]) -> Result<Vec
 }
 
 /// What drives are checked against.
-struct DriveReader<'a> {
+struct SymbolDriveReader<'a> {
     grid: &'a TickGrid<'a>,
     device: &'a Device,
 }
 
-impl DriveReader<'_> {
+impl SymbolDriveReader<'_> {
     fn drive(&self, key: &str, table: &SymbolDriveTable) -> Result<Drive, FileError> {
         let source = self.grid.source;
         Ok(match table {

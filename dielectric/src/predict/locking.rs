@@ -1,8 +1,8 @@
 //! Charge locking: where a loop of first order repeats the same few symbols, so that a whole range
 //! of set-points gives one mean symbol.
 //!
-//! Under a periodic stream with p ones in q symbols, evenly spread, b_n = ⌊(n+1) p/q⌋ − ⌊n p/q⌋, the
-//! model settles to a periodic shift y_n. A loop that puts a one wherever y_n lies below its
+//! Under a periodic stream with p ones in q symbols, evenly spread, b_n = ⌊(n+1) p/q⌋ − ⌊n p/q⌋,
+//! the model settles to a periodic shift y_n. A loop that puts a one wherever y_n lies below its
 //! set-point repeats that stream for every set-point T with
 //!
 //! max { y_n : b_n = 1 } < T ≤ min { y_n : b_n = 0 }
@@ -122,7 +122,9 @@ mod tests {
     use super::*;
 
     fn response() -> SymbolResponse {
-        SymbolResponse { offset_v: 0.2, rates_rad_s: vec![0.02, 0.3], gains_v: vec![1.0, 0.1], symbol_time_s: 1.0 }
+        let part =
+            ResponsePart { rates_rad_s: vec![0.02, 0.3], gains_v: vec![1.0, 0.1], feed_through_v: 0.0, dead_time: 0 };
+        SymbolResponse { offset_v: 0.2, parts: vec![part], symbol_time_s: 1.0 }
     }
 
     /// The mean bit of a loop of first order, simulated for long.

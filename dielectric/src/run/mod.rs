@@ -8,45 +8,26 @@
 //!
 //! However a run ends, the port has been asked for 0 V before anything else is reported.
 
+mod error;
 mod row;
 mod summary;
 
 use dr_core::Command;
-use dr_core::control::{Refusal, RunState, Trip};
+use dr_core::control::{Refusal, RunState};
 use dr_core::sensor::Reading;
 use host_sim::instrument::{InstrumentError, LockStepController};
-use recording::toml_file::FileError;
 use recording::{Recording, RecordingError, RecordingRow, SYMBOL, VOLTAGE_SHIFT, column_name};
 
+pub use error::DeviceRunError;
 pub use row::{layout, metadata};
 pub use summary::{DeviceEnd, DeviceRunSummary, DeviceTrip, PhaseSummary};
 
 use crate::device::Device;
 use crate::experiment::DeviceExperiment;
-use crate::port::{DevicePort, PortError, SymbolReadings};
+use crate::port::{DevicePort, SymbolReadings};
 use crate::symbol::ChargeSymbol;
 use row::DeviceRow;
 use summary::DeviceStatistics;
-
-/// Why a run has no result, or ended early.
-#[derive(Debug, thiserror::Error)]
-pub enum DeviceRunError {
-    /// The file's mistake.
-    #[error(transparent)]
-    File(#[from] FileError),
-    /// The controller cannot go on.
-    #[error(transparent)]
-    Controller(#[from] InstrumentError),
-    /// The device cannot be reached.
-    #[error(transparent)]
-    Port(#[from] PortError),
-    /// The recording cannot be written.
-    #[error(transparent)]
-    Recording(#[from] RecordingError),
-    /// Somebody wanted the end.
-    #[error("interrupted")]
-    Interrupted,
-}
 
 /// Runs an experiment from start to end and hands every row to `sink`; rows begin with the first
 /// reading.
@@ -163,11 +144,6 @@ fn conduct(
 /// A reading as the controller takes it: a code, or that there is none.
 fn as_code(device: &Device, reading: Option<f64>) -> Reading {
     reading.map_or(Reading::Missing, |capacitance_f| Reading::Code(device.code(capacitance_f)))
-}
-
-/// A trip in words.
-fn trip_words(trip: Trip) -> String {
-    format!("tripped:{}", trip.cause.name())
 }
 
 #[cfg(test)]

@@ -1,13 +1,13 @@
 //! A symbol as a row of the recording.
 
-use dr_core::control::RunState;
+use dr_core::control::{RunState, Trip};
 use host_sim::instrument::TickSample;
 use recording::{
     BITS, Metadata, OFFSET_CAPACITANCE, RecordingLayout, RecordingRow, SYMBOL, SYMBOL_CAPACITANCE,
     TRUE_OFFSET_CAPACITANCE, TRUE_VOLTAGE_SHIFT, VOLTAGE_SHIFT, column_name,
 };
 
-use super::{DeviceRunError, trip_words};
+use super::error::DeviceRunError;
 use crate::experiment::DeviceExperiment;
 use crate::port::{DeviceTruth, SymbolReadings};
 use crate::symbol::ChargeSymbol;
@@ -103,4 +103,9 @@ impl DeviceRow {
             estimate: &self.numbers,
         })
     }
+}
+
+/// A trip in words.
+fn trip_words(trip: Trip) -> String {
+    format!("tripped:{}", trip.cause.name())
 }

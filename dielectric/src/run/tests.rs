@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::port::DeviceTruth;
+use crate::port::PortError;
 use crate::symbol::SymbolShape;
 use host_sim::instrument::in_process::InProcess;
 use recording::toml_file::TomlSource;

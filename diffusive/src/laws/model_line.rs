@@ -1,5 +1,5 @@
-//! The diffusive model as one more law: identified from the first part with all defaults, and an offset that stands, then
-//! going on where that ended.
+//! The diffusive model as one more law: identified from the first part with all defaults but for an
+//! offset that stands, then going on where that ended.
 
 use super::record::ForecastRecord;
 use super::report::LawTerm;

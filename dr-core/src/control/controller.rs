@@ -16,13 +16,13 @@
 use super::drive::{Drive, DriveInput, DriveState};
 use super::energy::EnergyBudget;
 use super::fingerprint::{COEFFICIENT_PER_K, Fingerprint, HeadCheck};
-use super::guard::{Cause, GuardConfig, ReadingJudgement, Trip};
+use super::guard::{self, Cause, GuardConfig, ReadingJudgement, Trip};
 use super::hardware_limits::HardwareLimits;
 use super::lockout::Lockout;
 use super::rise::{self, Rise};
 use super::state::{BOARD_ELEMENTS, Heaters, MOST_ELEMENTS, Probe, RunState, Tick};
 use super::targets::{self, Margins};
-use super::transducer::{Transducer, judge_resistor, judge_symbol};
+use super::transducer::{Transducer, judge_symbol};
 use crate::checksum::Checksum;
 use crate::command::HOST_TIMEOUT_S;
 use crate::model::{ORDER, Observer, ObserverState, RelaxationState, SelfHeating};
@@ -59,6 +59,24 @@ struct ElementState {
 }
 
 impl ElementState {
+    /// Takes a judged reading: whether it was good, or why it trips.
+    #[inline(always)] // into the tick, where time counts
+    fn take(&mut self, judgement: ReadingJudgement, reading: Reading, missing_limit_ticks: u32) -> Result<bool, Cause> {
+        match judgement {
+            ReadingJudgement::Good { raw, value } => {
+                self.absent_ticks = 0;
+                self.track_code(reading);
+                (self.raw, self.measured) = (raw, value);
+                Ok(true)
+            }
+            ReadingJudgement::Absent(cause) => {
+                self.absent_ticks = self.absent_ticks.saturating_add(1);
+                if self.absent_ticks <= missing_limit_ticks { Ok(false) } else { Err(cause) }
+            }
+            ReadingJudgement::Bad(cause) => Err(cause),
+        }
+    }
+
     /// Counts the ticks in which the code has not changed.
     fn track_code(&mut self, reading: Reading) {
         let Reading::Code(code) = reading else { return };
@@ -186,7 +204,8 @@ impl<const N: usize> Controller<N> {
     /// The guard's judgement of a reading; none if the element is not configured.
     #[inline(never)] // beside the one in the tick, which is where time counts
     pub(crate) fn judge(&self, element: usize, reading: Reading, level: Level) -> Option<ReadingJudgement> {
-        Some(judge_resistor(self.elements.get(element)?.as_ref()?.transducer.resistor()?, reading, level))
+        let config = self.elements.get(element)?.as_ref()?.transducer.resistor()?;
+        Some(guard::judge(&config.limits, &config.channel, reading, level))
     }
 
     /// Temperature of an element by its model, °C, if it has one. While observing, the model is
@@ -349,8 +368,9 @@ impl<const N: usize> Controller<N> {
     fn exceeded_energy(&self) -> Option<Trip> {
         let heats = matches!(self.state, RunState::Running | RunState::Testing);
         let mut all = self.elements.iter().map_while(Option::as_ref).zip(&self.energy).filter(|_| heats);
-        let exceeded = all.position(|(element, energy)| {
-            element.transducer.bears(self.hardware).is_some_and(|limit| energy.is_exceeded(&limit))
+        let exceeded = all.position(|(element, energy)| match &element.transducer {
+            Transducer::Resistor(config) => energy.is_exceeded(&config.bears(self.hardware)),
+            Transducer::Capacitor(_) | Transducer::Bias => false,
         });
         exceeded.map(|i| Trip::of(i, Cause::Energy))
     }
@@ -365,82 +385,78 @@ impl<const N: usize> Controller<N> {
 
     /// Judges the readings; returns the mask of good ones and the first fault.
     fn judge_readings(&mut self, readings: &[Reading; N]) -> (usize, Option<Trip>) {
-        let (mut valid, mut fault) = (0, None);
-        // Of the capacitor that the place before has.
-        let mut offset_f = 0.0;
+        let (mut valid, mut fault, mut others) = (0, None, false);
         for (i, ((element, state), reading)) in self.elements.iter().zip(&mut self.states).zip(readings).enumerate() {
             let Some(element) = element else { break };
-            let judgement = match &element.transducer {
-                Transducer::Resistor(config) => judge_resistor(config, *reading, self.levels.level(i)),
-                // Without a bias the readings are of no symbol.
-                Transducer::Capacitor(_) if !self.levels.is_high(i + 1) => continue,
-                Transducer::Capacitor(config) => {
-                    let both = [Some(reading), readings.get(i + 1)];
-                    judge_symbol(config, both, self.levels.level(i))
-                }
-                Transducer::Bias => {
-                    // It shows what else the readings of its capacitor amount to.
-                    state.measured = offset_f;
-                    valid |= (valid << 1) & (1 << i);
-                    continue;
-                }
+            let Transducer::Resistor(config) = &element.transducer else {
+                others = true;
+                continue;
             };
-            let cause = match judgement {
-                ReadingJudgement::Good { raw, value } => {
-                    state.absent_ticks = 0;
-                    state.track_code(*reading);
-                    (state.raw, state.measured) = (raw, value);
-                    offset_f = raw;
-                    valid |= 1 << i;
-                    continue;
-                }
-                ReadingJudgement::Absent(cause) => {
-                    state.absent_ticks = state.absent_ticks.saturating_add(1);
-                    if state.absent_ticks <= self.guard.missing_limit_ticks {
-                        continue;
-                    }
-                    cause
-                }
-                ReadingJudgement::Bad(cause) => cause,
-            };
-            fault = fault.or(Some(Trip::of(i, cause)));
+            let judgement = guard::judge(&config.limits, &config.channel, *reading, self.levels.level(i));
+            match state.take(judgement, *reading, self.guard.missing_limit_ticks) {
+                Ok(is_good) => valid |= usize::from(is_good) << i,
+                Err(cause) => fault = fault.or(Some(Trip::of(i, cause))),
+            }
+        }
+        if others {
+            self.judge_symbols(readings, &mut valid, &mut fault);
         }
         (valid, fault)
     }
 
+    /// The same for capacitors and their biases.
+    #[inline(never)] // resistors must not wait for what they are not
+    fn judge_symbols(&mut self, readings: &[Reading; N], valid: &mut usize, fault: &mut Option<Trip>) {
+        let mut offset_f = 0.0;
+        for (i, (element, state)) in self.elements.iter().map_while(Option::as_ref).zip(&mut self.states).enumerate() {
+            match &element.transducer {
+                Transducer::Resistor(_) => {}
+                // Without a bias the readings are of no symbol.
+                Transducer::Capacitor(config) if self.levels.is_high(i + 1) => {
+                    let both = [readings.get(i), readings.get(i + 1)].map(|of| *of.unwrap_or(&Reading::Missing));
+                    let judgement = judge_symbol(config, both, self.levels.level(i));
+                    match state.take(judgement, both[0], self.guard.missing_limit_ticks) {
+                        Ok(is_good) => *valid |= usize::from(is_good) << i,
+                        Err(cause) => *fault = fault.or(Some(Trip::of(i, cause))),
+                    }
+                    offset_f = state.raw;
+                }
+                Transducer::Capacitor(_) => {}
+                Transducer::Bias => {
+                    // It shows what else the readings of its capacitor amount to.
+                    state.measured = offset_f;
+                    *valid |= (*valid << 1) & (1 << i);
+                }
+            }
+        }
+    }
+
     /// Steps the drive of every element with a good reading; the levels of the others go low.
     fn decide(&mut self, valid: usize) -> Option<Trip> {
-        let (mut trip, mut high) = (None, 0);
+        let (mut trip, mut high, mut others) = (None, 0, false);
         let no_rise_ticks = self.sample_period_s.map_or(0, |period_s| (self.hardware.no_rise_s / period_s) as u32);
         let no_rise_full = rise::full(no_rise_ticks);
         for (i, (element, state)) in self.elements.iter().zip(&mut self.states).enumerate() {
             let Some(element) = element else { break };
-            let is_valid = valid >> i & 1 == 1;
-            match &element.transducer {
-                Transducer::Resistor(_) if is_valid => {}
-                Transducer::Resistor(_) => continue,
-                Transducer::Capacitor(_) if matches!(element.drive, Drive::Passive) => continue,
-                Transducer::Capacitor(_) => {
-                    high |= 2 << i; // the bias
-                    if self.levels.is_high(i + 1) && !is_valid {
-                        // The symbol repeats: no reading says that it should change.
-                        high |= self.levels.0 & (1 << i);
-                        continue;
-                    }
-                }
-                Transducer::Bias => continue,
+            let Transducer::Resistor(config) = &element.transducer else {
+                others = true;
+                continue;
+            };
+            if valid >> i & 1 == 0 {
+                continue;
             }
-            let (low, high_input) = element.transducer.inputs(state.raw);
-            let input = DriveInput { measured: state.measured, low, high: high_input };
+            let input = DriveInput {
+                measured: state.measured,
+                low: config.channel.power_w(state.raw, Level::Low),
+                high: config.channel.power_w(state.raw, Level::High),
+            };
             high |= usize::from(element.drive.step(&mut state.drive, &input) == Level::High) << i;
             state.saturated_ticks = if state.drive.saturated { state.saturated_ticks.saturating_add(1) } else { 0 };
             let regulates = element.drive.target_range_c().is_some();
-            let heats = element.transducer.resistor().is_some();
-            let level = self.levels.level(i);
-            let no_rise = heats && state.rise.is_missing(level, state.measured, regulates, no_rise_full);
+            let no_rise = state.rise.is_missing(self.levels.level(i), state.measured, regulates, no_rise_full);
             // One that is warm enough without its heater, as a core that loses its fight with a
             // warm support, is in no danger, and ends no run.
-            let is_too_warm = heats && regulates && high >> i & 1 == 0;
+            let is_too_warm = regulates && high >> i & 1 == 0;
             if (state.saturated_ticks > self.guard.unreachable_limit_ticks && !is_too_warm) || no_rise {
                 trip = trip.or(Some(Trip::of(i, Cause::Unreachable)));
             }
@@ -449,7 +465,35 @@ impl<const N: usize> Controller<N> {
                 trip = trip.or(Some(Trip::of(i, Cause::Stuck)));
             }
         }
+        if others {
+            trip = trip.or(self.decide_symbols(valid, &mut high));
+        }
         self.levels = Heaters(high);
+        trip
+    }
+
+    /// Steps the drive of every capacitor, and raises the bias of those that have one; a symbol
+    /// without a good reading is repeated.
+    #[inline(never)] // resistors must not wait for what they are not
+    fn decide_symbols(&mut self, valid: usize, high: &mut usize) -> Option<Trip> {
+        let mut trip = None;
+        for (i, (element, state)) in self.elements.iter().map_while(Option::as_ref).zip(&mut self.states).enumerate() {
+            let is_driven = matches!(element.transducer, Transducer::Capacitor(_)) && element.drive != Drive::Passive;
+            if !is_driven {
+                continue;
+            }
+            *high |= 2 << i;
+            if self.levels.is_high(i + 1) && valid >> i & 1 == 0 {
+                *high |= self.levels.0 & (1 << i);
+                continue;
+            }
+            let input = DriveInput { measured: state.measured, low: -1.0, high: 1.0 };
+            *high |= usize::from(element.drive.step(&mut state.drive, &input) == Level::High) << i;
+            state.saturated_ticks = if state.drive.saturated { state.saturated_ticks.saturating_add(1) } else { 0 };
+            if state.saturated_ticks > self.guard.unreachable_limit_ticks {
+                trip = trip.or(Some(Trip::of(i, Cause::Unreachable)));
+            }
+        }
         trip
     }
 
@@ -474,14 +518,16 @@ impl<const N: usize> Controller<N> {
         let states = self.states.iter_mut().zip(&mut self.energy).zip(&mut powers_w).zip(&mut equivalents_w);
         for (i, (element, (((state, energy), power_w), equivalent_w))) in self.elements.iter().zip(states).enumerate() {
             let Some(element) = element else { break };
-            let (low, high) = element.transducer.inputs(state.raw);
-            *power_w = match &element.transducer {
-                Transducer::Capacitor(_) if !self.levels.is_high(i + 1) => 0.0,
-                _ if self.levels.is_high(i) => high,
-                _ => low,
-            };
-            if let Some(limit) = element.transducer.bears(self.hardware) {
-                energy.spend(*power_w, sample_period_s, &limit);
+            let level = self.levels.level(i);
+            match &element.transducer {
+                Transducer::Resistor(config) => {
+                    *power_w = config.channel.power_w(state.raw, level);
+                    energy.spend(*power_w, sample_period_s, &config.bears(self.hardware));
+                }
+                Transducer::Capacitor(_) if self.levels.is_high(i + 1) => {
+                    *power_w = if level == Level::High { 1.0 } else { -1.0 };
+                }
+                Transducer::Capacitor(_) | Transducer::Bias => {}
             }
             let Some(model) = &element.model else { continue };
             let mut input_w = *power_w;

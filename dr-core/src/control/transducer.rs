@@ -10,10 +10,11 @@
 //! for either all bits clear is the safe state: no heat, 0 V.
 
 use super::energy::EnergyLimit;
-use super::guard::{self, Cause, ReadingJudgement};
+use super::guard::{Cause, ReadingJudgement};
 use super::hardware_limits::HardwareLimits;
 use super::state::ElementConfig;
 use crate::error::{self, ConfigError, Parameter};
+use crate::fields::{FieldVisitor, Fields};
 use crate::sensor::capacitor::Shift;
 use crate::sensor::{Capacitor, Level, Reading};
 
@@ -57,7 +58,19 @@ pub(super) enum Transducer {
     Bias,
 }
 
-crate::fields::fields!(enum Transducer { 0 Resistor(config), 1 Capacitor(config), 2 Bias });
+impl Fields for Transducer {
+    fn visit(&self, visitor: &mut impl FieldVisitor) {
+        match self {
+            // What every tick of the board verifies has no word more than it needs.
+            Self::Resistor(config) => config.visit(visitor),
+            Self::Capacitor(config) => {
+                visitor.word(1);
+                config.visit(visitor);
+            }
+            Self::Bias => visitor.word(2),
+        }
+    }
+}
 
 impl Transducer {
     /// The resistor, if it is one.
@@ -90,21 +103,23 @@ impl Transducer {
         let raw = self.resistor().map_or(0.0, |config| config.channel.platinum().resistance_ohm(target));
         self.inputs(raw)
     }
+}
 
-    /// What power and energy it may have; a capacitor has none.
-    pub fn bears(&self, hardware: &HardwareLimits) -> Option<EnergyLimit> {
-        self.resistor().map(|config| config.limits.energy.unwrap_or(hardware.energy))
+impl ElementConfig {
+    /// What power and energy it may have.
+    pub(super) fn bears(&self, hardware: &HardwareLimits) -> EnergyLimit {
+        self.limits.energy.unwrap_or(hardware.energy)
     }
 }
 
 /// Judges the two readings of a symbol; the second is that of the place of the bias.
-pub(super) fn judge_symbol(config: &CapacitorConfig, readings: [Option<&Reading>; 2], bit: Level) -> ReadingJudgement {
+pub(super) fn judge_symbol(config: &CapacitorConfig, readings: [Reading; 2], bit: Level) -> ReadingJudgement {
     let mut codes = [0; 2];
     for (code, reading) in codes.iter_mut().zip(readings) {
         *code = match reading {
-            Some(Reading::Code(code)) => *code,
-            Some(Reading::Stale) => return ReadingJudgement::Absent(Cause::Stale),
-            Some(Reading::Missing) | None => return ReadingJudgement::Absent(Cause::Missing),
+            Reading::Code(code) => code,
+            Reading::Stale => return ReadingJudgement::Absent(Cause::Stale),
+            Reading::Missing => return ReadingJudgement::Absent(Cause::Missing),
         };
         if !(1 - config.code_max..config.code_max).contains(code) {
             return ReadingJudgement::Bad(Cause::OutOfRange);
@@ -121,10 +136,4 @@ pub(super) fn judge_symbol(config: &CapacitorConfig, readings: [Option<&Reading>
     } else {
         ReadingJudgement::Good { raw: offset_f, value: shift_v }
     }
-}
-
-/// Judges the reading of a resistor.
-#[inline(always)] // into the tick, where time counts
-pub(super) fn judge_resistor(config: &ElementConfig, reading: Reading, level: Level) -> ReadingJudgement {
-    guard::judge(&config.limits, &config.channel, reading, level)
 }

@@ -2,16 +2,16 @@
 //! charge in its dielectric.
 //!
 //! C(V) = α (V − V_sh)² + C₀ below pull-in. A symbol has two parts with V₊ and V₋ (bit 1) or V₋ and
-//! V₊ (bit 0), and the capacitance is read at the end of each. Their quasi-differential ΔC = C(V₊) −
-//! C(V₋) = α (V₊² − V₋²) − 2 α V_sh (V₊ − V₋) (thesis 2.62) holds no C₀, hence
+//! V₊ (bit 0), and the capacitance is read at the end of each. Their quasi-differential ΔC = C(V₊)
+//! − C(V₋) = α (V₊² − V₋²) − 2 α V_sh (V₊ − V₋) (thesis 2.62) holds no C₀, hence
 //!
 //! V_sh = (V₊ + V₋)/2 − ΔC / (2 α (V₊ − V₋))
 //!
 //! Where V_sh moves between the two readings, that is its mean, but for V₊ ≠ −V₋ (weights V₊ and
-//! −V₋). A C₀ that drifts by ΔC₀ between them moves it by ΔC₀ / (2 α (V₊ − V₋)), with the sign of the
-//! bit. The reading before the symbol could cancel that where a bit repeats, but V_sh would then be
-//! another mixture there than where the bit changes, and no longer linear in the stream: on the
-//! simulated device that costs 2 mV, and a drift of one per cent an hour 0.01 mV.
+//! −V₋). A C₀ that drifts by ΔC₀ between them moves it by ΔC₀ / (2 α (V₊ − V₋)), with the sign of
+//! the bit. The reading before the symbol could cancel that where a bit repeats, but V_sh would
+//! then be another mixture there than where the bit changes, and no longer linear in the stream: on
+//! the simulated device that costs 2 mV, and a drift of one per cent an hour 0.01 mV.
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|

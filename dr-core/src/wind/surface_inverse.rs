@@ -291,9 +291,9 @@ fn fits(found: &DescentResult, variance: f32) -> bool {
 ///
 /// A complete head has one minimum near the linear inverse; from the last wind it is a step or two.
 /// Wires have one on either side of each axis, of which the linear inverse takes the one that they
-/// face and the last wind may have another. Where surfaces are missing or hardly known (`twins`), all starts are followed, the other side of the fold among them; of solutions
-/// that are as good as each other the one nearest to `last` is taken, or without a last one the
-/// better.
+/// face and the last wind may have another. Where surfaces are missing or hardly known (`twins`),
+/// all starts are followed, the other side of the fold among them; of solutions that are as good as
+/// each other the one nearest to `last` is taken, or without a last one the better.
 fn solve(inverse: &Inverse, last: Option<[f32; 3]>, twins: bool) -> Option<(DescentResult, Option<DescentResult>)> {
     let mut left = MOST_STEPS_IN_ALL;
     if let (Some(last), false) = (last, twins || inverse.form == HeadForm::Wires) {

@@ -6,11 +6,16 @@ use super::state::{MeterState, NO_NUMBER};
 /// Range of the bias, V.
 const MOST_BIAS_V: f64 = 40.0;
 
-const UNDEFINED_HEADER: &str = "-113,\"Undefined header\"";
-const DATA_TYPE: &str = "-104,\"Data type error\"";
-const TRIGGER_IGNORED: &str = "-211,\"Trigger ignored\"";
-const OUT_OF_RANGE: &str = "-222,\"Data out of range\"";
-const ILLEGAL_PARAMETER: &str = "-224,\"Illegal parameter value\"";
+const UNDEFINED_HEADER: ScpiFault = ScpiFault("-113,\"Undefined header\"");
+const DATA_TYPE: ScpiFault = ScpiFault("-104,\"Data type error\"");
+const TRIGGER_IGNORED: ScpiFault = ScpiFault("-211,\"Trigger ignored\"");
+const OUT_OF_RANGE: ScpiFault = ScpiFault("-222,\"Data out of range\"");
+const ILLEGAL_PARAMETER: ScpiFault = ScpiFault("-224,\"Illegal parameter value\"");
+
+/// An entry of its error queue.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+struct ScpiFault(&'static str);
 
 /// What the meter sends back.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -30,14 +35,14 @@ pub(super) fn react(state: &mut MeterState, line: &str) -> Reaction {
         Some(MisbehaviourKind::Disconnect) => return Reaction::Close,
         Some(MisbehaviourKind::Silence) => return Reaction::Bytes(Vec::new()),
         Some(MisbehaviourKind::Refusal) => {
-            state.errors.push_back(UNDEFINED_HEADER);
+            state.errors.push_back(UNDEFINED_HEADER.0);
             return Reaction::Bytes(Vec::new());
         }
         _ => {}
     }
     state.has_overload = kind == Some(MisbehaviourKind::Overload);
     let answer = obey(state, line).unwrap_or_else(|error| {
-        state.errors.push_back(error);
+        state.errors.push_back(error.0);
         None
     });
     let answer = match (kind, answer) {
@@ -52,7 +57,7 @@ pub(super) fn react(state: &mut MeterState, line: &str) -> Reaction {
     Reaction::Bytes(answer)
 }
 
-fn obey(state: &mut MeterState, line: &str) -> Result<Option<String>, &'static str> {
+fn obey(state: &mut MeterState, line: &str) -> Result<Option<String>, ScpiFault> {
     let (header, parameter) = line.split_once(' ').unwrap_or((line, ""));
     let answer = match (header, parameter) {
         ("*IDN?", "") => state.identity.clone(),
@@ -66,7 +71,7 @@ fn obey(state: &mut MeterState, line: &str) -> Result<Option<String>, &'static s
     Ok(Some(answer))
 }
 
-fn set(state: &mut MeterState, header: &str, parameter: &str) -> Result<(), &'static str> {
+fn set(state: &mut MeterState, header: &str, parameter: &str) -> Result<(), ScpiFault> {
     match (header, parameter) {
         ("*RST", "") => state.reset(),
         ("*CLS", "") => state.errors.clear(),
@@ -102,17 +107,17 @@ fn fetched(state: &MeterState) -> String {
     format!("{capacitance_f:+.digits$E},{loss:+.digits$E},{status:+}")
 }
 
-fn number(parameter: &str, range: std::ops::RangeInclusive<f64>) -> Result<f64, &'static str> {
+fn number(parameter: &str, range: std::ops::RangeInclusive<f64>) -> Result<f64, ScpiFault> {
     let number = parameter.parse().ok().filter(|number: &f64| number.is_finite()).ok_or(DATA_TYPE)?;
     if range.contains(&number) { Ok(number) } else { Err(OUT_OF_RANGE) }
 }
 
-fn switch(parameter: &str) -> Result<bool, &'static str> {
+fn switch(parameter: &str) -> Result<bool, ScpiFault> {
     one_of(parameter, &["ON", "1", "OFF", "0"])?;
     Ok(matches!(parameter, "ON" | "1"))
 }
 
-fn one_of(parameter: &str, known: &[&str]) -> Result<(), &'static str> {
+fn one_of(parameter: &str, known: &[&str]) -> Result<(), ScpiFault> {
     if known.contains(&parameter) { Ok(()) } else { Err(ILLEGAL_PARAMETER) }
 }
 

@@ -7,7 +7,7 @@ use dr_core::control::Drive;
 use recording::Recording;
 use serde::Serialize;
 
-use super::MemsError;
+use super::error::MemsError;
 use super::records::run_of;
 
 /// Set-points as shares of the range that the symbols can hold.

@@ -12,6 +12,7 @@
 //! | [`plateaus`] | where the loop of first order locks |
 //! | [`report`] | the figures as text, as JSON and as a page |
 
+pub mod error;
 pub mod loops;
 pub mod plateaus;
 pub mod readings;
@@ -21,39 +22,16 @@ pub mod report;
 use std::path::Path;
 
 use dielectric::experiment::DeviceExperiment;
-use dielectric::predict::DevicePredictError;
-use dielectric::run::DeviceRunError;
-use diffusive::identify::record::RecordError;
 use diffusive::identify::validate::{ValidationStart, validate};
 use diffusive::identify::{Constraints, DriftGiven, IdentifyOptions, InitialState, identify};
 use diffusive::laws::{FittedPart, compare};
-use plot::{Canvas, PlotError};
-use recording::toml_file::FileError;
+use plot::Canvas;
 
+pub use error::MemsError;
 pub use report::{MemsReport, TwoSymbolFigures};
 
 /// Identified from, and predicted then, s.
 const DAY_S: f64 = 86_400.0;
-
-/// What can fail.
-#[derive(Debug, thiserror::Error)]
-pub enum MemsError {
-    /// An experiment is wrong.
-    #[error(transparent)]
-    File(#[from] FileError),
-    /// A run failed.
-    #[error(transparent)]
-    Run(#[from] DeviceRunError),
-    /// A record cannot be identified.
-    #[error(transparent)]
-    Record(#[from] RecordError),
-    /// A model cannot be run.
-    #[error(transparent)]
-    Predict(#[from] DevicePredictError),
-    /// A picture cannot be drawn.
-    #[error(transparent)]
-    Plot(#[from] PlotError),
-}
 
 /// Measures everything on the experiments of a folder, and draws pictures into another.
 ///

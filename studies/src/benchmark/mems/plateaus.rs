@@ -7,7 +7,7 @@ use diffusive::identify::{DriftGiven, IdentifyOptions, identify};
 use dr_core::control::Drive;
 use serde::Serialize;
 
-use super::MemsError;
+use super::error::MemsError;
 use super::records::run_of;
 
 /// Plateaus that are compared: the widest.

@@ -6,7 +6,7 @@ use diffusive::identify::record::{RecordError, RecordTable};
 use host_sim::instrument::in_process::InProcess;
 use recording::{Collector, Recording};
 
-use super::MemsError;
+use super::error::MemsError;
 
 /// One run.
 pub struct DeviceRecord {
