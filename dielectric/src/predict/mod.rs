@@ -80,14 +80,15 @@ pub fn predict(
         Some(HeldPhase {
             start_s: experiment.time_s(phase.tick),
             target_v: target_v.into(),
-            is_reachable: steady_symbol.abs() < 1.0,
+            is_reachable: steady_v > 0.0 && steady_symbol.abs() < 1.0,
             steady_symbol,
             reaching_from_rest_s: found.as_ref().and_then(|of| of.reaching_time_s),
             settled_from_rest_s: found.as_ref().and_then(|of| of.settled_s),
             plateau: plateaus.iter().find(inside).filter(|_| locks).copied(),
         })
     });
-    Ok(DevicePrediction { held: held.collect(), range_v, plateaus: plateaus.clone(), run, against: None })
+    let raises = steady_v > 0.0;
+    Ok(DevicePrediction { held: held.collect(), range_v, raises, plateaus: plateaus.clone(), run, against: None })
 }
 
 #[cfg(test)]

@@ -15,6 +15,8 @@ pub struct DevicePrediction {
     pub run: DeviceRunSummary,
     /// Shifts that the two symbols can hold for ever, V.
     pub range_v: [f64; 2],
+    /// Whether a symbol 1 raises the shift, as a loop needs it.
+    pub raises: bool,
     /// Of every set-point, in the limit of fast symbols.
     pub held: Vec<HeldPhase>,
     /// Where a loop of first order locks.
@@ -43,14 +45,40 @@ pub struct HeldPhase {
     pub plateau: Option<Plateau>,
 }
 
+impl DevicePrediction {
+    /// The spectra of the last phase that holds a set-point.
+    fn spectrum(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(at) = self.run.phases.iter().rposition(|phase| phase.target_v.is_some()) else { return Ok(()) };
+        let recorded = self.against.iter().filter_map(|all| all.get(at)).next();
+        let mut lines = vec![vec!["period, s".to_owned(), "predicted".to_owned()]];
+        if recorded.is_some() {
+            lines[0].push("recorded".to_owned());
+        }
+        for (octave, of) in self.run.phases[at].octaves.iter().enumerate() {
+            let other = recorded.map(|phase| phase.octaves.get(octave).map_or("–".to_owned(), |of| brief(of.power)));
+            lines.push([brief(of.period_s), brief(of.power)].into_iter().chain(other).collect());
+        }
+        writeln!(f, "\nspectrum of the symbols, power by octaves:")?;
+        write!(f, "{}", columns(&lines, &[0, 1, 2]))
+    }
+}
+
 impl fmt::Display for DevicePrediction {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [least_v, most_v] = self.range_v;
+        if !self.raises {
+            writeln!(
+                f,
+                "symbol 1 lowers the shift, so that no loop can hold it: take 1 − δ for `second_share` in the experiment"
+            )?;
+        }
         writeln!(f, "the two symbols hold shifts from {} to {} V for ever", brief(least_v), brief(most_v))?;
         let words = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), brief);
         for held in &self.held {
             write!(f, "set-point {} V from {} s: ", brief(held.target_v), held.start_s)?;
-            if held.is_reachable {
+            if !self.raises {
+                writeln!(f, "not held")?;
+            } else if held.is_reachable {
                 write!(f, "steady mean symbol {}", brief(held.steady_symbol))?;
                 if held.reaching_from_rest_s.is_some() {
                     let [reached, settled] = [held.reaching_from_rest_s, held.settled_from_rest_s].map(words);
@@ -91,6 +119,7 @@ impl fmt::Display for DevicePrediction {
             lines.extend(self.against.iter().filter_map(|all| all.get(at)).map(|of| line(of, "recorded")));
         }
         writeln!(f, "\nsecond half of each phase:")?;
-        write!(f, "{}", columns(&lines, &[0, 2, 3, 4]))
+        write!(f, "{}", columns(&lines, &[0, 2, 3, 4]))?;
+        self.spectrum(f)
     }
 }

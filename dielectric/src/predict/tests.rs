@@ -49,6 +49,23 @@ fn a_set_point_on_a_plateau_is_named_for_the_first_order_only() {
 }
 
 #[test]
+fn a_symbol_that_works_the_other_way_is_said_and_no_loop_is_promised() {
+    let mut turned = model();
+    turned.pairs[0].classes.values_mut().flat_map(|class| &mut class.r_k_per_w).for_each(|gain| *gain = -*gain);
+    let found = predict(&turned, &experiment("{ hold = { shift_v = 0.4 } }"), &mut |_| Ok(())).unwrap();
+    assert!(!found.raises && !found.held[0].is_reachable);
+    assert!(found.to_string().contains("take 1 − δ for `second_share`"), "{found}");
+}
+
+#[test]
+fn the_noise_of_a_held_charge_falls_towards_slow_octaves() {
+    let found = predicted("{ hold = { shift_v = 0.4, order = 2 } }");
+    let powers: Vec<f64> = found.run.phases[0].octaves.iter().map(|octave| octave.power).collect();
+    assert!(powers.len() > 6 && powers[6] < 1e-3 * powers[0], "{powers:?}");
+    assert!(found.to_string().contains("power by octaves"), "{found}");
+}
+
+#[test]
 fn a_set_point_out_of_reach_is_said_to_be() {
     let found = predicted("{ hold = { shift_v = 1.5 } }");
     assert!(!found.held[0].is_reachable && found.held[0].steady_symbol > 1.0);

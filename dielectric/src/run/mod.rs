@@ -9,6 +9,7 @@
 //! However a run ends, the port has been asked for 0 V before anything else is reported.
 
 mod error;
+mod octaves;
 mod row;
 mod summary;
 
@@ -19,6 +20,7 @@ use host_sim::instrument::{InstrumentError, LockStepController};
 use recording::{Recording, RecordingError, RecordingRow, SYMBOL, VOLTAGE_SHIFT, column_name};
 
 pub use error::DeviceRunError;
+pub use octaves::{StreamOctave, octaves};
 pub use row::{layout, metadata};
 pub use summary::{DeviceEnd, DeviceRunSummary, DeviceTrip, PhaseSummary};
 

@@ -5,6 +5,7 @@ use std::fmt;
 use dr_core::control::Trip;
 use serde::Serialize;
 
+use super::octaves::{StreamOctave, octaves};
 use super::row::DeviceRow;
 use crate::experiment::DeviceExperiment;
 
@@ -86,11 +87,14 @@ pub struct PhaseSummary {
     pub mean_symbol: Option<f64>,
     /// When its set-point was first reached, s after its start.
     pub reached_s: Option<f64>,
+    /// Spectrum of its symbols in the second half.
+    pub octaves: Vec<StreamOctave>,
 }
 
 /// What is added up.
 pub(super) struct DeviceStatistics {
     firmware: String,
+    symbol_time_s: f64,
     rows: u32,
     last_s: f64,
     without_reading: u32,
@@ -118,6 +122,7 @@ impl DeviceStatistics {
         };
         Self {
             firmware: firmware.to_owned(),
+            symbol_time_s: experiment.shape.symbol_time_s,
             rows: 0,
             last_s: 0.0,
             without_reading: 0,
@@ -179,6 +184,7 @@ impl DeviceStatistics {
             sd_voltage_shift_v: mean_v.and_then(deviation).map(f64::sqrt),
             mean_symbol: mean(&symbols),
             reached_s: rows.reached_s,
+            octaves: octaves(&symbols, self.symbol_time_s),
         });
     }
 

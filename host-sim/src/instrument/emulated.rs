@@ -11,7 +11,7 @@ mod stream;
 
 use super::error::InstrumentError;
 use super::link::{BoardLink, BoardStream, RetryPolicy};
-use super::lock_step::{LockStepController, packed};
+use super::lock_step::LockStepController;
 use super::observation::{LinkReport, TickReport};
 use super::port::{SettingsPort, granted_by};
 use super::reset_cause::why_it_started;
@@ -22,7 +22,10 @@ use process::Process;
 use std::path::Path;
 use std::time::Duration;
 pub use stream::Pipe;
-use wire::{FromBoard, HeaterFrame, Identity, Provocation, SettingsReply, SettingsRequest, Status, ToBoard};
+use wire::{
+    FromBoard, HeaterFrame, Identity, MOST_ELEMENTS, Provocation, Readings, SettingsReply, SettingsRequest, Status,
+    ToBoard,
+};
 
 /// Exchanges after which the host link is looked at, where exchanges do not go by it.
 const ATTEND_EVERY: u32 = 256;
@@ -35,6 +38,11 @@ pub enum EmulatorLink {
     Fifo,
     /// Two emulated USARTs: host link and front end.
     Usart,
+}
+
+/// Readings as they travel.
+fn packed(readings: &[Reading]) -> Result<Readings, InstrumentError> {
+    Readings::new(readings).ok_or(InstrumentError::TooManyElements { head: readings.len(), board: MOST_ELEMENTS })
 }
 
 /// The links of the emulated board.

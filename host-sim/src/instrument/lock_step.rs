@@ -13,7 +13,7 @@ use crate::sensor::{Sensor, SensorTruth};
 use dr_core::control::SelfTestFinding;
 use dr_core::sensor::{FrontEndInput, Reading};
 use dr_core::{Command, Reply};
-use wire::{Identity, MOST_ELEMENTS, Readings};
+use wire::Identity;
 
 /// A controller that takes readings and returns levels.
 pub trait LockStepController {
@@ -51,11 +51,6 @@ pub trait LockStepController {
     /// # Errors
     /// If the body does not end well.
     fn finish(self: Box<Self>) -> Result<LinkReport, InstrumentError>;
-}
-
-/// Readings as they travel.
-pub(super) fn packed(readings: &[Reading]) -> Result<Readings, InstrumentError> {
-    Readings::new(readings).ok_or(InstrumentError::TooManyElements { head: readings.len(), board: MOST_ELEMENTS })
 }
 
 /// A body with a simulated sensor around it.
