@@ -43,6 +43,9 @@ Examples:
       -o winds.json --plot winds.svg
   anemo identify three-winds.csv --event wind --structure conductance \\
       --non-negative all --gas-temperature 18.0 -o conductance.json
+  anemo identify charge.parquet --input bit1_mems bit0_mems \\
+      --output voltage_shift_v_mems --initial-state rest --drift none \\
+      -o charge.json
 
 A row holds the outputs at its time, and the inputs from then on.")]
 pub struct Arguments {

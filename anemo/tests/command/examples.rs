@@ -30,11 +30,12 @@ const FIRST: [&str; 13] = [
 
 /// What is only parsed: a user's own table, a board and its log, the emulator, a killed program,
 /// studies of minutes.
-const PARSED: [&str; 13] = [
+const PARSED: [&str; 14] = [
     "calibrate speeds.csv",
     "head compare",
     " mast/",
     "serial:",
+    "scpi:",
     "--on qemu",
     "anemo recover",
     "anemo combine",
@@ -138,7 +139,7 @@ fn examples(help: &str) -> Vec<String> {
 /// Experiments, cut short, and heads.
 fn ship(folder: &Path) {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let copied = format!("cp -r {0}/experiments {0}/heads .", root.display());
+    let copied = format!("cp -r {0}/devices {0}/experiments {0}/heads .", root.display());
     shell(folder, &copied).unwrap();
     for (pattern, changes) in SHORTER {
         let files = shell(folder, &format!("ls experiments/{pattern}")).unwrap();

@@ -18,7 +18,7 @@ const TIME_LIMIT_S: u32 = 120;
 /// The exit code of `timeout` for a command that it has stopped.
 const TIMED_OUT: i32 = 124;
 /// Folders that a page finds in its own.
-const GIVEN: [&str; 4] = ["experiments", "heads", "docs", "tests/fixtures"];
+const GIVEN: [&str; 5] = ["devices", "experiments", "heads", "docs", "tests/fixtures"];
 
 /// Where pages run, and with what.
 pub struct Workshop {
