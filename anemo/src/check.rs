@@ -6,6 +6,7 @@ use crate::board::On;
 use crate::output::Failure;
 use dielectric::experiment::DeviceCheck;
 use host_sim::run::CheckReport;
+use wire::BoardKind;
 
 /// Read an experiment and its head, and report what would run.
 #[derive(clap::Args)]
@@ -23,6 +24,9 @@ pub struct Arguments {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(experiment) = crate::run_device::experiment_of(&arguments.experiment)? {
+        if arguments.on.board() == Some(BoardKind::Sensor) {
+            return Err(Failure::usage(crate::run_device::NO_CAPACITORS));
+        }
         return crate::output::print_report(&DeviceCheck::new(&experiment), arguments.json);
     }
     let (experiment, judgement) = crate::output::read_experiment(&arguments.experiment, arguments.on.board())?;

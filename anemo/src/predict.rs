@@ -58,7 +58,7 @@ pub struct Arguments {
         ("rest", "Nothing was ever heated", LoopStart::Rest),
         ("end", "End of the record from which the model was identified", LoopStart::End),
     ]))]
-    from: LoopStart,
+    pub(super) from: LoopStart,
     /// Window of the decimator, s, 2 to 1625 sample periods; by default 1 s, or 20 of them if
     /// longer.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]

@@ -21,6 +21,8 @@ use recording::WriterOptions;
 use recording::head_mounting::HeadMounting;
 use recording::toml_file::TomlSource;
 
+/// Where an experiment on a device cannot run.
+pub const NO_CAPACITORS: &str = "the sensor board has no capacitors: run the experiment on sim, qemu or scpi:HOST";
 /// Longest wait for the answer of a meter, s.
 const TIMEOUT_S: f64 = 5.0;
 
@@ -107,9 +109,7 @@ fn controller(instrument: &InstrumentArguments) -> Result<Box<dyn LockStepContro
         On::Sim | On::Scpi(_) => Box::new(InProcess::new()),
         On::Qemu => Box::new(instrument.emulation.start(flash)?),
         On::Silicon | On::Serial(_) => {
-            return Err(Failure::usage(
-                "the sensor board has no capacitors: run the experiment on sim, qemu or scpi:HOST",
-            ));
+            return Err(Failure::usage(NO_CAPACITORS));
         }
     })
 }

@@ -41,7 +41,19 @@ impl DeviceExperiment {
         })?;
         let symbol_time_s = source.within("symbol_time_s", table.symbol_time_s, SYMBOL_TIMES_S, "s")?;
         let grid = TickGrid::new(&source, symbol_time_s, table.duration_s)?;
+        if grid.ticks < 2 {
+            let sentence =
+                format!("is {} s: the first reading comes after one symbol, so two belong here", table.duration_s);
+            return Err(source.refuse("duration_s", sentence));
+        }
         let shape = shape(&source, &device, &table, symbol_time_s)?;
+        let noise_v = device.shift_noise_v(&shape);
+        if noise_v > device.shift_max_v {
+            let sentence = format!(
+                "is so near `negative_v` that the noise of the meter is {noise_v:.3} V of voltage shift, more than `shift_max_v`: take voltages further apart"
+            );
+            return Err(source.refuse("symbols.positive_v", sentence));
+        }
         let unreachable = table.unreachable_after_s.map(|time_s| grid.whole_ticks("unreachable_after_s", time_s));
         let reader = SymbolDriveReader { grid: &grid, device: &device };
         let mut phases =
@@ -169,7 +181,7 @@ impl SymbolDriveReader<'_> {
                 .refuse(&format!("{key}.gain"), "is of a loop of second order: leave it out, or give `order = 2`")),
             1 => Ok(Drive::Temperature { target_c: target }),
             2 => {
-                let gain = source.within(&format!("{key}.gain"), gain.unwrap_or(GAIN), 1e-6..=1.0, "a tick")?;
+                let gain = source.within(&format!("{key}.gain"), gain.unwrap_or(GAIN), 1e-6..=1.0, "a symbol")?;
                 Ok(Drive::SecondOrder { target, gain_per_tick: gain as f32 })
             }
             other => Err(source.refuse(&format!("{key}.order"), format!("is {other}: loops are of order 1 or 2"))),

@@ -62,8 +62,10 @@ pub fn predict(
         SymbolInputs::Bits(_) => None,
     };
     // Narrower ones are lost in the noise of a reading.
-    let plateaus = response.plateaus(MOST_SYMBOLS, experiment.device.shift_noise_v(&experiment.shape));
     let steady_v = response.steady_v();
+    let raises = steady_v > 0.0;
+    let noise_v = experiment.device.shift_noise_v(&experiment.shape);
+    let plateaus = if raises { response.plateaus(MOST_SYMBOLS, noise_v) } else { Vec::new() };
     let range_v = [response.offset_v - steady_v.abs(), response.offset_v + steady_v.abs()];
     let held = experiment.phases.iter().filter_map(|phase| {
         let (target_v, _) = phase.drive.target_range_c()?;
@@ -80,15 +82,16 @@ pub fn predict(
         Some(HeldPhase {
             start_s: experiment.time_s(phase.tick),
             target_v: target_v.into(),
-            is_reachable: steady_v > 0.0 && steady_symbol.abs() < 1.0,
+            is_reachable: raises && steady_symbol.abs() < 1.0,
             steady_symbol,
             reaching_from_rest_s: found.as_ref().and_then(|of| of.reaching_time_s),
             settled_from_rest_s: found.as_ref().and_then(|of| of.settled_s),
             plateau: plateaus.iter().find(inside).filter(|_| locks).copied(),
         })
     });
-    let raises = steady_v > 0.0;
-    Ok(DevicePrediction { held: held.collect(), range_v, raises, plateaus: plateaus.clone(), run, against: None })
+    let held = held.collect();
+    let warnings = model.support_warning(None).into_iter().collect();
+    Ok(DevicePrediction { held, range_v, raises, plateaus, run, against: None, warnings })
 }
 
 #[cfg(test)]

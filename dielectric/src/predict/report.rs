@@ -24,6 +24,8 @@ pub struct DevicePrediction {
     /// The same phases of a recording, where one is compared with.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub against: Option<Vec<PhaseSummary>>,
+    /// What is said of the model, and of what it is compared with.
+    pub warnings: Vec<String>,
 }
 
 /// What sliding-mode analysis gives of a set-point.
@@ -120,6 +122,7 @@ impl fmt::Display for DevicePrediction {
         }
         writeln!(f, "\nsecond half of each phase:")?;
         write!(f, "{}", columns(&lines, &[0, 2, 3, 4]))?;
-        self.spectrum(f)
+        self.spectrum(f)?;
+        self.warnings.iter().try_for_each(|warning| write!(f, "\nwarning: {warning}\n"))
     }
 }

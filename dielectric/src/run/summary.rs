@@ -150,11 +150,9 @@ impl DeviceStatistics {
         self.count(row.symbol, row.shift_v, time_s);
     }
 
-    /// Counts a symbol and the shift before it.
+    /// Counts a symbol and the shift before it: where a phase begins, that one is still of the phase
+    /// before.
     pub fn count(&mut self, symbol: f32, shift_v: f32, time_s: f64) {
-        if self.starts.get(self.phases.len() + 1).is_some_and(|(start_s, ..)| time_s > *start_s) {
-            self.close_phase();
-        }
         self.rows += 1;
         self.last_s = time_s;
         self.without_reading += u32::from(shift_v.is_nan());
@@ -164,16 +162,19 @@ impl DeviceStatistics {
             let first_v = *self.phase.first_error_v.get_or_insert(error_v);
             self.phase.reached_s = (error_v * first_v <= 0.0).then_some(time_s - start_s);
         }
-        self.phase.symbols.push(symbol);
         self.phase.shifts_v.push(shift_v);
+        if self.starts.get(self.phases.len() + 1).is_some_and(|(start_s, ..)| time_s >= *start_s) {
+            self.close_phase();
+        }
+        self.phase.symbols.push(symbol);
     }
 
     fn close_phase(&mut self) {
         let rows = std::mem::take(&mut self.phase);
         let (start_s, label, target_v) = self.starts[self.phases.len()].clone();
-        let half = rows.shifts_v.len() / 2;
-        let shifts_v: Vec<f64> = rows.shifts_v[half..].iter().filter(|of| !of.is_nan()).map(|&of| of.into()).collect();
-        let symbols: Vec<f64> = rows.symbols[half..].iter().map(|&of| of.into()).collect();
+        let shifts_v = &rows.shifts_v[rows.shifts_v.len() / 2..];
+        let shifts_v: Vec<f64> = shifts_v.iter().filter(|of| !of.is_nan()).map(|&of| of.into()).collect();
+        let symbols: Vec<f64> = rows.symbols[rows.symbols.len() / 2..].iter().map(|&of| of.into()).collect();
         let mean_v = mean(&shifts_v);
         let deviation = |mean_v: f64| mean(&shifts_v.iter().map(|of| (of - mean_v).powi(2)).collect::<Vec<_>>());
         self.phases.push(PhaseSummary {

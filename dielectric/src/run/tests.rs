@@ -50,6 +50,18 @@ fn both_orders_hold_a_set_point_and_the_summary_has_it() {
     }
 }
 
+#[test]
+fn a_phase_counts_its_own_symbols_and_no_other() {
+    let text = format!(
+        "drive = {{ symbol = 1 }}\n{SYMBOLS}[[changes]]\nstart_s = 10.0\ndrive = \"zero\"\n[[changes]]\nstart_s = 20.0\ndrive = {{ symbol = -1 }}\n"
+    );
+    let experiment = experiment(&text, 30.0);
+    let (summary, rows) = conducted(&experiment, &mut experiment.simulated().unwrap());
+    let means: Vec<_> = summary.phases.iter().map(|phase| phase.mean_symbol.unwrap()).collect();
+    assert_eq!(means, [1.0, 0.0, -1.0]);
+    assert_eq!((rows.len(), summary.without_reading), (29, 10));
+}
+
 /// A device that fails at its n-th symbol.
 struct Failing {
     symbols: u32,

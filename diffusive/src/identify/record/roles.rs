@@ -4,6 +4,7 @@
 //! | record | inputs | outputs |
 //! |---|---|---|
 //! | ours (`power_w_<element>` beside `temperature_c_<element>`) | powers that vary | temperatures of the same elements |
+//! | of a MEMS capacitor (`symbol_<device>` beside `voltage_shift_v_<device>`) | the symbol | the voltage shift |
 //! | any other | the numeric columns before the last, as far as they vary | the last numeric column |
 //!
 //! `time_role` says which column is the time. The event class is in the column `event` if that
@@ -17,7 +18,7 @@ use super::columns::FileColumns;
 use super::error::RecordError;
 use super::source::Selection;
 use super::time_role::TimeRole;
-use recording::{EVENT, POWER, STATE, TEMPERATURE};
+use recording::{EVENT, POWER, STATE, SYMBOL, TEMPERATURE, VOLTAGE_SHIFT};
 
 /// The part of the largest power's range below which an element is only measured.
 const MEASURED_ONLY: f64 = 0.01;
@@ -63,10 +64,10 @@ impl Roles {
         roles.inputs = columns.all_named(&selection.inputs, POWER)?;
         roles.outputs = columns.all_named(&selection.outputs, TEMPERATURE)?;
 
-        if elements.is_empty() {
-            roles.choose_foreign(&columns)?;
-        } else {
+        if !elements.is_empty() {
             roles.choose_ours(&columns, &elements)?;
+        } else if !roles.choose_device(&columns) {
+            roles.choose_foreign(&columns)?;
         }
         roles.check(&columns)?;
         Ok(roles)
@@ -97,6 +98,21 @@ impl Roles {
             })?;
         }
         Ok(())
+    }
+
+    /// A recording of a MEMS capacitor; false if it is none.
+    fn choose_device(&mut self, columns: &FileColumns) -> bool {
+        let Some(shift) = columns.names.iter().position(|name| name.starts_with(VOLTAGE_SHIFT)) else { return false };
+        let device = &columns.names[shift][VOLTAGE_SHIFT.len()..];
+        let Some(symbol) = columns.position(&recording::column_name(SYMBOL, device)) else { return false };
+        if self.inputs.is_empty() {
+            self.inputs.push(symbol);
+            self.notes.push(format!("{} is taken for the input", columns.list(&self.inputs)));
+        }
+        if self.outputs.is_empty() {
+            self.outputs.push(shift);
+        }
+        true
     }
 
     fn choose_foreign(&mut self, columns: &FileColumns) -> Result<(), RecordError> {
