@@ -41,7 +41,8 @@ fn a_model_from_pseudo_random_symbols_predicts_the_closed_loop() {
     let from_rest = ["--initial-state", "rest", "--drift", "none"];
     let identify = [&["identify", "prbs.parquet", "-o", "charge.json"], &columns[..], &from_rest].concat();
     stdout(&anemo(folder, &identify));
-    for (order, tolerance_v) in [(1, 0.01), (2, 0.001)] {
+    // Of first order within what a symbol moves, 0.04 V.
+    for (order, tolerance_v) in [(1, 0.02), (2, 0.001)] {
         let drive = format!("{{ hold = {{ shift_v = 0.15, order = {order} }} }}");
         std::fs::write(folder.join("hold.toml"), text(1.0, 4000.0, &drive)).unwrap();
         stdout(&anemo(folder, &["run", "hold.toml", "--on", "sim", "-o", "hold.csv"]));

@@ -204,7 +204,10 @@ fn wrong_usage_is_code_2_and_one_sentence() {
     let gusts = experiment("gusts.toml");
     for (arguments, expected) in [
         (vec!["rum"], "unrecognized subcommand 'rum'"),
-        (vec!["run", &gusts], "the following required arguments were not provided: --on <sim|qemu|serial:DEVICE>"),
+        (
+            vec!["run", &gusts],
+            "the following required arguments were not provided: --on <sim|qemu|serial:DEVICE|scpi:HOST>",
+        ),
         (vec!["run", &gusts, "--on", "simulator"], "it is sim, qemu or serial:DEVICE"),
         (vec!["run", &gusts, "--on", "serial:"], "a serial port is named too"),
         (

@@ -153,7 +153,7 @@ mod tests {
         locks(&response());
         // What follows at once, one symbol late.
         let mut late = response();
-        late.parts[0] = ResponsePart { feed_through_v: 0.004, dead_time: 1, ..late.parts[0].clone() };
+        late.parts[0] = ResponsePart { feed_through_v: 0.06, dead_time: 1, ..late.parts[0].clone() };
         locks(&late);
     }
 
