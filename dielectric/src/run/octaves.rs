@@ -2,8 +2,8 @@
 //!
 //! The power of an octave is that of the difference of neighbouring means, ½⟨(mean of m symbols −
 //! mean of the next m)²⟩ for m = 1, 2, 4 …: the Allan variance of the stream, whose octave has its
-//! middle near a period of 2 m T_s. Noise that a loop shapes falls faster than the 1/m of independent
-//! symbols, until the charge itself moves.
+//! middle near a period of 2 m T_s. Noise that a loop shapes falls faster than the 1/m of
+//! independent symbols, until the charge itself moves.
 
 use serde::Serialize;
 

@@ -150,8 +150,8 @@ impl DeviceStatistics {
         self.count(row.symbol, row.shift_v, time_s);
     }
 
-    /// Counts a symbol and the shift before it: where a phase begins, that one is still of the phase
-    /// before.
+    /// Counts a symbol and the shift before it: where a phase begins, that one is still of the
+    /// phase before.
     pub fn count(&mut self, symbol: f32, shift_v: f32, time_s: f64) {
         self.rows += 1;
         self.last_s = time_s;
