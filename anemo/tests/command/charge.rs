@@ -28,9 +28,9 @@ fn text(symbol_time_s: f64, duration_s: f64, drive: &str) -> String {
 fn a_model_from_pseudo_random_symbols_predicts_the_closed_loop() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    write(folder, &text(1.0, 8000.0, "{ prbs = { order = 11, bit_time_s = 3.0, seed = 77 } }"));
+    write(folder, &text(1.0, 8000.0, "{ prbs = { order = 11, bit_time_s = 1.0, seed = 77 } }"));
     let checked = stdout(&anemo(folder, &["check", "experiment.toml"]));
-    assert!(checked.contains("pseudo-random bits of 3 s") && checked.contains("device mems-quick"), "{checked}");
+    assert!(checked.contains("pseudo-random bits of 1 s") && checked.contains("device mems-quick"), "{checked}");
     let run = anemo(folder, &["run", "experiment.toml", "--on", "sim", "-o", "prbs.parquet", "--plot", "prbs.svg"]);
     assert!(stdout(&run).contains("7999 symbols, 7999 s; 0 without a reading"));
     let drawn = std::fs::read_to_string(folder.join("prbs.svg")).unwrap();

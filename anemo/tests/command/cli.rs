@@ -208,7 +208,7 @@ fn wrong_usage_is_code_2_and_one_sentence() {
             vec!["run", &gusts],
             "the following required arguments were not provided: --on <sim|qemu|serial:DEVICE|scpi:HOST>",
         ),
-        (vec!["run", &gusts, "--on", "simulator"], "it is sim, qemu or serial:DEVICE"),
+        (vec!["run", &gusts, "--on", "simulator"], "it is sim, qemu, serial:DEVICE or scpi:HOST"),
         (vec!["run", &gusts, "--on", "serial:"], "a serial port is named too"),
         (
             vec!["log", &gusts, "--on", "sim", "-o", "r", "--publish", "nmea+udp://127.0.0.1:9"],

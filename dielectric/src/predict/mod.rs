@@ -17,7 +17,7 @@ pub use locking::{Plateau, ResponsePart, SymbolResponse};
 pub use report::{DevicePrediction, HeldPhase};
 
 use crate::experiment::DeviceExperiment;
-use crate::run::{DeviceRunError, run};
+use crate::run::{DeviceRunError, DeviceTrip, run};
 use modelled::{ModelledDevice, SymbolInputs};
 
 /// Longest stream of a plateau that is looked for, symbols.
@@ -90,7 +90,9 @@ pub fn predict(
         })
     });
     let held = held.collect();
-    let warnings = model.support_warning(None).into_iter().collect();
+    let mut warnings: Vec<String> = model.support_warning(None).into_iter().collect();
+    let trip = |of: &DeviceTrip| format!("on the model the run trips at {} s: {}", of.time_s, of.cause);
+    warnings.extend(run.trips.iter().map(trip));
     Ok(DevicePrediction { held, range_v, raises, plateaus, run, against: None, warnings })
 }
 
