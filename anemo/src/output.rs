@@ -114,6 +114,18 @@ pub fn print_report(report: &(impl serde::Serialize + Display), json: bool) -> R
     if json { print_json(report) } else { print(&report.to_string()) }
 }
 
+/// Prints the summary of a run; of a simulated one with the time that it took and its length, s.
+pub fn print_run(
+    summary: &(impl serde::Serialize + Display),
+    computed_s: Option<(f64, f64)>,
+    json: bool,
+) -> Result<(), Failure> {
+    let speed = |(wall_s, duration_s): (f64, f64)| {
+        format!("\n{wall_s:.2} s of computing: {:.0} times real time\n", duration_s / wall_s)
+    };
+    if json { print_json(summary) } else { print(&format!("{summary}{}", computed_s.map(speed).unwrap_or_default())) }
+}
+
 pub fn print_json(value: &impl serde::Serialize) -> Result<(), Failure> {
     let json = serde_json::to_string(value).map_err(Failure::work)?;
     print(&format!("{json}\n"))

@@ -78,15 +78,8 @@ fn run_on_device(arguments: &Arguments, experiment: &DeviceExperiment) -> Result
     };
     let wall_s = start.elapsed().as_secs_f64();
     recorded.finish(&outcome(&summary))?;
-    if arguments.json {
-        crate::output::print_json(&summary)?;
-    } else {
-        let mut text = summary.to_string();
-        if simulated {
-            text += &format!("\n{wall_s:.2} s of computing: {:.0} times real time\n", summary.duration_s / wall_s);
-        }
-        crate::output::print(&text)?;
-    }
+    let computed_s = simulated.then_some((wall_s, summary.duration_s));
+    crate::output::print_run(&summary, computed_s, arguments.json)?;
     verdict(&summary)
 }
 

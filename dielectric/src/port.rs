@@ -12,7 +12,7 @@ pub trait DevicePort {
     /// part.
     ///
     /// # Errors
-    /// If the device cannot be reached, or does not do as it is told. The port has tried to leave
+    /// If the device cannot be reached, or does not do so. The port has tried to leave
     /// it at 0 V.
     fn apply(&mut self, symbol: Option<ChargeSymbol>, shape: &SymbolShape) -> Result<SymbolReadings, PortError>;
 

@@ -76,12 +76,6 @@ impl Device {
         std::f64::consts::SQRT_2 * self.meter.noise_f / (2.0 * self.curvature_f_v2 * width_v)
     }
 
-    /// Standard uncertainty of a voltage shift by one reading at V₊, V, from its noise alone; C₀
-    /// has to be known there, and a drift of it by a share s moves it by s C₀/(2 α V₊).
-    pub fn single_noise_v(&self, shape: &SymbolShape) -> f64 {
-        self.meter.noise_f / (2.0 * self.curvature_f_v2 * shape.positive_v.abs())
-    }
-
     /// Voltage shift by a single reading of `capacitance_f` at `bias_v`, with C₀ as the file has
     /// it; what a quasi-differential reading is compared with.
     pub fn single_shift_v(&self, capacitance_f: f64, bias_v: f64) -> f64 {

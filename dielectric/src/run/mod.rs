@@ -6,7 +6,7 @@
 //!                                                          └──► port applies it, and reads twice
 //! ```
 //!
-//! However a run ends, the port has been asked for 0 V before anything else is reported.
+//! However a run ends, the port has had to go to 0 V before anything else is reported.
 
 mod error;
 mod octaves;
