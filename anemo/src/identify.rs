@@ -339,6 +339,7 @@ pub fn progress_bar() -> impl FnMut(&'static str, u64, u64) {
         bar.set_style(style);
     }
     move |what, done, all| {
+        crate::in_process::end_if_interrupted();
         bar.set_message(what);
         bar.set_length(all.max(1));
         bar.set_position(done);

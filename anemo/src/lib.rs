@@ -1,7 +1,8 @@
 //! The command `anemo`: one thin file a subcommand.
 //!
 //! A library, so that its help, its completions, its man pages and its reference page are all
-//! written from the one definition of its command line ([`command`]); the binary calls [`main`].
+//! written from the one definition of its command line ([`command`]); the binary calls [`main`],
+//! and other programs call commands [`in_process`].
 //!
 //! | exit code | meaning |
 //! |---|---|
@@ -31,6 +32,7 @@ mod fit_recorder;
 mod head;
 mod identify;
 mod identify_page;
+pub mod in_process;
 mod laws;
 mod live_host;
 mod live_table;
@@ -173,69 +175,78 @@ fn renamed(words: &[String]) -> Option<String> {
 
 /// Does what the command line of this process asks for.
 pub fn main() -> ExitCode {
-    let words: Vec<String> = std::env::args().skip(1).collect();
+    ExitCode::from(main_of(std::env::args().skip(1).collect()))
+}
+
+/// The same for these words, which are those behind `anemo`; gives the exit code.
+pub fn main_of(words: Vec<String>) -> u8 {
     if let Some(sentence) = renamed(&words) {
         output::complain(&sentence);
     }
-    let arguments = match CommandLine::try_parse() {
+    let arguments = match CommandLine::try_parse_from(std::iter::once("anemo".to_owned()).chain(words.iter().cloned()))
+    {
         Ok(arguments) => arguments,
         Err(error)
             if error.use_stderr()
                 && error.kind() != clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand =>
         {
             output::complain(&one_sentence(&error, words.first().map(String::as_str)));
-            return ExitCode::from(2);
+            return 2;
         }
         Err(error) => {
             // Help and version. That nobody reads them is no failure.
             return match error.print() {
                 Err(unprinted) if unprinted.kind() != std::io::ErrorKind::BrokenPipe => {
                     output::complain(&format!("it cannot be printed: {unprinted}"));
-                    ExitCode::FAILURE
+                    1
                 }
-                _ => ExitCode::from(u8::from(error.use_stderr()) * 2),
+                _ => u8::from(error.use_stderr()) * 2,
             };
         }
     };
-    let outcome = match arguments.command {
-        Subcommands::Run(arguments) => run_device::execute(&arguments),
-        Subcommands::Log(arguments) => log::execute(&arguments),
-        Subcommands::Mark(arguments) => mark::execute(&arguments),
-        Subcommands::Live(arguments) => live::execute(&arguments),
-        Subcommands::Recover(arguments) => recover::execute(&arguments),
-        Subcommands::SelfTest(arguments) => self_test::execute(&arguments),
-        Subcommands::Settings(arguments) => settings::execute(&arguments),
-        Subcommands::Status(arguments) => status::execute(&arguments),
-        Subcommands::Check(arguments) => check::execute(&arguments),
-        Subcommands::Design(arguments) => design::execute(&arguments),
-        Subcommands::Identify(arguments) => identify::execute(&arguments),
-        Subcommands::Merge(arguments) => merge::execute(&arguments),
-        Subcommands::Head(arguments) => head::execute(&arguments),
-        Subcommands::Network(arguments) => head::identify::identify_network(&arguments),
-        Subcommands::Calibrate(arguments) => calibrate::execute(&arguments),
-        Subcommands::Wind(arguments) => wind::execute(&arguments),
-        Subcommands::Combine(arguments) => combine::execute(&arguments),
-        Subcommands::Meteorology(arguments) => meteorology::execute(&arguments),
-        Subcommands::Validate(arguments) => validate::execute(&arguments),
-        Subcommands::Laws(arguments) => laws::execute(&arguments),
-        Subcommands::Plot(arguments) => plot::execute(&arguments),
-        Subcommands::Example(arguments) => example::execute(&arguments),
-        Subcommands::Export(arguments) => export::execute(&arguments),
-        Subcommands::Convert(arguments) => convert::execute(&arguments),
-        Subcommands::Reduce(arguments) => reduce::execute(&arguments),
-        Subcommands::Analyse(arguments) => analyse::execute(&arguments),
-        Subcommands::Predict(arguments) => predict_device::execute(&arguments),
-        #[cfg(feature = "studies")]
-        Subcommands::Thesis(arguments) => thesis::execute(&arguments),
-        #[cfg(feature = "studies")]
-        Subcommands::Benchmark(arguments) => benchmark::execute(&arguments),
-    };
-    match outcome {
-        Ok(()) => ExitCode::SUCCESS,
+    match execute(&arguments.command) {
+        Ok(()) => 0,
         Err(failure) => {
             output::complain(&failure.sentence);
-            ExitCode::from(failure.code)
+            failure.code
         }
+    }
+}
+
+/// Does what a subcommand asks for.
+fn execute(command: &Subcommands) -> Result<(), output::Failure> {
+    match command {
+        Subcommands::Run(arguments) => run_device::execute(arguments),
+        Subcommands::Log(arguments) => log::execute(arguments),
+        Subcommands::Mark(arguments) => mark::execute(arguments),
+        Subcommands::Live(arguments) => live::execute(arguments),
+        Subcommands::Recover(arguments) => recover::execute(arguments),
+        Subcommands::SelfTest(arguments) => self_test::execute(arguments),
+        Subcommands::Settings(arguments) => settings::execute(arguments),
+        Subcommands::Status(arguments) => status::execute(arguments),
+        Subcommands::Check(arguments) => check::execute(arguments),
+        Subcommands::Design(arguments) => design::execute(arguments),
+        Subcommands::Identify(arguments) => identify::execute(arguments),
+        Subcommands::Merge(arguments) => merge::execute(arguments),
+        Subcommands::Head(arguments) => head::execute(arguments),
+        Subcommands::Network(arguments) => head::identify::identify_network(arguments),
+        Subcommands::Calibrate(arguments) => calibrate::execute(arguments),
+        Subcommands::Wind(arguments) => wind::execute(arguments),
+        Subcommands::Combine(arguments) => combine::execute(arguments),
+        Subcommands::Meteorology(arguments) => meteorology::execute(arguments),
+        Subcommands::Validate(arguments) => validate::execute(arguments),
+        Subcommands::Laws(arguments) => laws::execute(arguments),
+        Subcommands::Plot(arguments) => plot::execute(arguments),
+        Subcommands::Example(arguments) => example::execute(arguments),
+        Subcommands::Export(arguments) => export::execute(arguments),
+        Subcommands::Convert(arguments) => convert::execute(arguments),
+        Subcommands::Reduce(arguments) => reduce::execute(arguments),
+        Subcommands::Analyse(arguments) => analyse::execute(arguments),
+        Subcommands::Predict(arguments) => predict_device::execute(arguments),
+        #[cfg(feature = "studies")]
+        Subcommands::Thesis(arguments) => thesis::execute(arguments),
+        #[cfg(feature = "studies")]
+        Subcommands::Benchmark(arguments) => benchmark::execute(arguments),
     }
 }
 

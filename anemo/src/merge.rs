@@ -42,6 +42,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let merged = merge(&models).map_err(Failure::usage)?;
     merged.write(&arguments.output).map_err(Failure::work)?;
     let report = MergeReport { model: &merged };
+    crate::output::tell(&report)?;
     if arguments.json {
         return crate::output::print_json(&report);
     }

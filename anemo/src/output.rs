@@ -1,6 +1,7 @@
 //! How a command ends: what it prints and writes, and the exit code of its failures.
 
 use std::borrow::Cow;
+use std::cell::RefCell;
 use std::fmt::Display;
 use std::io::{ErrorKind, Write as _};
 
@@ -18,7 +19,9 @@ const MOST_LETTERS: usize = 2_000;
 /// Why the command ends, and with which exit code.
 #[derive(Debug, PartialEq)]
 pub struct Failure {
+    /// The exit code.
     pub code: u8,
+    /// What is wrong, where, and what would be right.
     pub sentence: String,
 }
 
@@ -79,27 +82,61 @@ pub fn sentence(text: &str) -> String {
     }
 }
 
-/// Says something to people. Nobody who listens, or a full disk behind it, does not end what is
-/// being done.
+/// What a command says while it runs in another program, which passes it on in its own way.
+#[derive(Debug, Default)]
+pub struct Heard {
+    /// What would be on stdout.
+    pub printed: String,
+    /// What would be there with --json, of commands that have it.
+    pub json: Option<String>,
+    /// Warnings and complaints, a sentence each.
+    pub warnings: Vec<String>,
+}
+
+thread_local! {
+    static HEARD: RefCell<Option<Heard>> = const { RefCell::new(None) };
+}
+
+/// Does some work in this thread and keeps what it says.
+pub fn hear<T>(work: impl FnOnce() -> T) -> (T, Heard) {
+    HEARD.set(Some(Heard::default()));
+    let done = work();
+    (done, HEARD.take().unwrap_or_default())
+}
+
+/// To people, or to the program around it. Nobody who listens, or a full disk behind it, does not
+/// end what is being done.
+fn say(before: &str, text: &str) {
+    let text = sentence(text);
+    let is_heard = HEARD.with_borrow_mut(|heard| heard.as_mut().map(|heard| heard.warnings.push(text.clone())));
+    if is_heard.is_none() {
+        let _ = writeln!(std::io::stderr(), "{before}{text}");
+    }
+}
+
+/// Says something to people.
 pub fn complain(text: &str) {
-    let _ = writeln!(std::io::stderr(), "anemo: {}", sentence(text));
+    say("anemo: ", text);
 }
 
 /// Warns people of a result that stands.
 pub fn warn(text: &str) {
-    let _ = writeln!(std::io::stderr(), "warning: {}", sentence(text));
+    say("warning: ", text);
 }
 
 /// Says that corrections of a head are applied, if it carries any.
 pub fn note_corrections(head: &Head) {
     let correction = head.calibration.as_ref().and_then(|of| of.table.correction.as_ref());
     if let Some(correction) = correction {
-        let _ = writeln!(std::io::stderr(), "{}", sentence(&correction.sentence()));
+        say("", &correction.sentence());
     }
 }
 
 /// Prints a result. A reader that has gone away (`| head`) does not make the command fail.
 pub fn print(text: &str) -> Result<(), Failure> {
+    if HEARD.with_borrow_mut(|heard| heard.as_mut().map(|heard| heard.printed.push_str(text))).is_some() {
+        return Ok(());
+    }
     let mut stdout = std::io::stdout().lock();
     match stdout.write_all(printable(text).as_bytes()).and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
@@ -111,6 +148,7 @@ pub fn print(text: &str) -> Result<(), Failure> {
 
 /// Prints a report: as one JSON object, or as text.
 pub fn print_report(report: &(impl serde::Serialize + Display), json: bool) -> Result<(), Failure> {
+    tell(report)?;
     if json { print_json(report) } else { print(&report.to_string()) }
 }
 
@@ -120,6 +158,7 @@ pub fn print_run(
     computed_s: Option<(f64, f64)>,
     json: bool,
 ) -> Result<(), Failure> {
+    tell(summary)?;
     let speed = |(wall_s, duration_s): (f64, f64)| {
         format!("\n{wall_s:.2} s of computing: {:.0} times real time\n", duration_s / wall_s)
     };
@@ -127,8 +166,19 @@ pub fn print_run(
 }
 
 pub fn print_json(value: &impl serde::Serialize) -> Result<(), Failure> {
-    let json = serde_json::to_string(value).map_err(Failure::work)?;
-    print(&format!("{json}\n"))
+    print(&format!("{}\n", json_of(value)?))
+}
+
+fn json_of(value: &impl serde::Serialize) -> Result<String, Failure> {
+    serde_json::to_string(value).map_err(Failure::work)
+}
+
+/// Hands a report to the program around the command, if there is one.
+pub fn tell(report: &impl serde::Serialize) -> Result<(), Failure> {
+    let is_heard = HEARD.with_borrow(Option::is_some);
+    let json = is_heard.then(|| json_of(report)).transpose()?;
+    HEARD.with_borrow_mut(|heard| heard.as_mut().map(|heard| heard.json = json));
+    Ok(())
 }
 
 /// Writes a text file, in whole or not at all.
@@ -212,7 +262,7 @@ pub fn is_head(source: &TomlSource) -> bool {
 
 /// The file beside a missing one that may be meant.
 fn misspelt(path: &std::path::Path) -> Option<String> {
-    if path.exists() {
+    if path.exists() || recording::in_memory::is_in_memory(path) {
         return None;
     }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(std::path::Path::new("."));

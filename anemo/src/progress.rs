@@ -1,10 +1,11 @@
 //! Progress bar and Ctrl-C of long work at a terminal.
 
-use std::io::{IsTerminal as _, Write as _};
+use std::io::IsTerminal as _;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use recording::interrupt;
 
 /// A bar of so many ticks on a terminal, nothing anywhere else.
 pub(super) fn progress(title: &str, ticks: Option<u64>) -> ProgressBar {
@@ -21,6 +22,10 @@ pub(super) fn progress(title: &str, ticks: Option<u64>) -> ProgressBar {
 /// Set by the first Ctrl-C (or a request to terminate, or the end of the terminal), so that the run
 /// ends tidily and no heater stays on; the second one ends the process at once.
 pub(super) fn on_interrupt() -> Arc<AtomicBool> {
+    // A program around the command hears of signals itself.
+    if let Some(flag) = interrupt::flag() {
+        return flag;
+    }
     let interrupted = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&interrupted);
     // Without a handler Ctrl-C still works, only less tidily.
@@ -36,6 +41,6 @@ pub(super) fn on_interrupt() -> Arc<AtomicBool> {
 #[cfg(feature = "studies")]
 pub(super) fn announce(what: &str) {
     if std::io::stderr().is_terminal() {
-        let _ = writeln!(std::io::stderr(), "  {what}");
+        eprintln!("  {what}");
     }
 }

@@ -5,11 +5,15 @@ use std::path::{Path, PathBuf};
 use crate::output::Failure;
 use crate::picture::PictureArguments;
 use plot::Canvas;
-use recording::{Collector, Metadata, Recorder, RecordingError, RecordingLayout, RecordingRow, WriterOptions, recover};
+use recording::{
+    Collector, Metadata, Recorder, RecordingError, RecordingLayout, RecordingRow, WriterOptions, in_memory, recover,
+};
 
 /// What is written of a recording, as far as it is requested.
 pub struct RecordingOutputs {
     recorder: Option<(PathBuf, Recorder)>,
+    /// In place of a file.
+    memory: Option<(PathBuf, Collector)>,
     picture: Option<(Canvas, Collector)>,
 }
 
@@ -23,22 +27,28 @@ impl RecordingOutputs {
         options: &WriterOptions,
     ) -> Result<Self, Failure> {
         let canvas = picture.canvas()?;
-        let recorder = output.map(|path| {
+        let place = output.filter(|path| in_memory::is_place(path));
+        let memory = place.map(|path| (path.to_owned(), Collector::new(layout.clone(), metadata)));
+        let recorder = output.filter(|_| place.is_none()).map(|path| {
             Recorder::create(path, layout.clone(), metadata, options).map(|recorder| (path.to_owned(), recorder))
         });
         let recorder = recorder.transpose().map_err(Failure::usage)?;
-        Ok(Self { recorder, picture: canvas.map(|canvas| (canvas, Collector::thinned(layout, metadata))) })
+        Ok(Self { recorder, memory, picture: canvas.map(|canvas| (canvas, Collector::thinned(layout, metadata))) })
     }
 
     pub fn push(&mut self, row: &RecordingRow<'_>) -> Result<(), RecordingError> {
         self.recorder.as_mut().map_or(Ok(()), |(_, recorder)| recorder.push(row))?;
-        self.picture.as_mut().map_or(Ok(()), |(_, collector)| collector.push(row))
+        let collectors = self.memory.iter_mut().map(|(_, of)| of).chain(self.picture.iter_mut().map(|(_, of)| of));
+        collectors.map(|collector| collector.push(row)).collect()
     }
 
     /// Completes them with what the end adds to the metadata.
     pub fn finish(self, outcome: &Metadata) -> Result<(), Failure> {
         if let Some((path, recorder)) = self.recorder {
             recorder.finish(outcome).map_err(|error| kept(&path, error))?;
+        }
+        if let Some((path, collector)) = self.memory {
+            in_memory::put(&path, collector.finish(outcome));
         }
         if let Some((canvas, collector)) = self.picture {
             let figure = plot::run::figure(&collector.finish(outcome)).map_err(Failure::work)?;

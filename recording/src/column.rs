@@ -139,12 +139,21 @@ impl ColumnValues {
         }
     }
 
+    /// Some of the rows.
+    pub(crate) fn between(&self, rows: std::ops::Range<usize>) -> Self {
+        match self {
+            Self::Numbers(numbers) => Self::Numbers(numbers[rows].to_vec()),
+            Self::Words(ColumnWords { dictionary, rows: all, known }) => Self::Words(ColumnWords {
+                dictionary: dictionary.clone(),
+                rows: all[rows].to_vec(),
+                known: known.clone(),
+            }),
+        }
+    }
+
     /// Keeps some of the rows only.
     pub(crate) fn keep(&mut self, rows: std::ops::Range<usize>) {
-        match self {
-            Self::Numbers(numbers) => *numbers = numbers[rows].to_vec(),
-            Self::Words(words) => words.rows = words.rows[rows].to_vec(),
-        }
+        *self = self.between(rows);
     }
 
     /// Of two rows the first; an odd last one stays.

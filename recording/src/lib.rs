@@ -48,6 +48,8 @@
 //! | [`Recorder`], [`recover`], [`journal_of`], [`so_far`] | a writer in a thread of its own; what a journal has kept; its name; a folder that is continued |
 //! | [`RecordingLayout`], [`RecordingRow`] | what a recording's rows consist of |
 //! | [`wind`] | columns of the wind estimate |
+//! | [`in_memory`] | tables and texts of another program in this process, read like files |
+//! | [`interrupt`] | a request to end the work of a thread |
 //! | [`head_mounting`] | compass direction and tilt of a head: east, north and up |
 //! | [`utc`] | moments in UTC |
 //! | [`Temporary`] | a file that appears under its name when it is complete |
@@ -72,6 +74,8 @@ mod error;
 mod file_format;
 mod format1;
 pub mod head_mounting;
+pub mod in_memory;
+pub mod interrupt;
 mod names;
 #[cfg(feature = "parquet")]
 mod parquet;

@@ -7,6 +7,8 @@ use crate::csv_read::CsvReader;
 use crate::error::RecordingError;
 use crate::file_format::FileFormat;
 use crate::format1::rename_columns;
+use crate::in_memory;
+use crate::interrupt::is_interrupted;
 use crate::names::duplicate;
 use crate::parts::files_of;
 use crate::regular;
@@ -122,6 +124,9 @@ impl RecordingReader {
     /// The next rows of the selected columns, [`CHUNK`](crate::CHUNK) of them at most; `None` after
     /// the last.
     pub fn next_chunk(&mut self) -> Result<Option<Vec<RecordingColumn>>, RecordingError> {
+        if is_interrupted() {
+            return Err(RecordingError::new(&self.head.path, "reading it was interrupted"));
+        }
         let chunk = loop {
             match self.source.next_chunk(&self.head)? {
                 None if self.open_next()? => {}
@@ -155,18 +160,25 @@ impl RecordingReader {
     }
 }
 
-/// Opens one file, and tells the names of its columns.
-fn open_file(path: &Path, given: &[String]) -> Result<(Box<dyn ChunkSource>, Vec<String>), RecordingError> {
+fn open_on_disk(path: &Path, given: &[String]) -> Result<(Box<dyn ChunkSource>, Vec<String>), RecordingError> {
     let format = FileFormat::of(path)?;
     let file = regular::open(path).map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => RecordingError::new(path, "there is no such file"),
         _ => RecordingError::io(path, "read", error),
     })?;
-    let (source, mut names) = match format {
+    match format {
         #[cfg(feature = "parquet")]
-        FileFormat::Parquet => crate::parquet::ParquetReader::open(file, path)?,
-        FileFormat::Csv => CsvReader::open(file, path, false, given)?,
-        FileFormat::Journal => CsvReader::open(file, path, true, given)?,
+        FileFormat::Parquet => crate::parquet::ParquetReader::open(file, path),
+        FileFormat::Csv => CsvReader::open(file, path, false, given),
+        FileFormat::Journal => CsvReader::open(file, path, true, given),
+    }
+}
+
+/// Opens one file or table in memory, and tells the names of its columns.
+fn open_file(path: &Path, given: &[String]) -> Result<(Box<dyn ChunkSource>, Vec<String>), RecordingError> {
+    let (source, mut names) = match in_memory::open(path) {
+        Some(table) => table,
+        None => open_on_disk(path, given)?,
     };
     if !given.is_empty() {
         let (has, wanted) = (names.len(), given.len());

@@ -24,11 +24,14 @@ pub fn open(path: &Path) -> io::Result<File> {
     File::open(path)
 }
 
-/// Reads the text of a regular file.
+/// Reads the text of a regular file, or of one in memory.
 ///
 /// # Errors
 /// As [`open`]; `InvalidData` for what is no text in UTF-8; or if it has more than 64 MiB.
 pub fn read_text(path: &Path) -> io::Result<String> {
+    if let Some(text) = crate::in_memory::text(path) {
+        return Ok(text);
+    }
     let mut text = String::new();
     open(path)?.take(MOST_TEXT_BYTES + 1).read_to_string(&mut text)?;
     if text.len() as u64 > MOST_TEXT_BYTES {

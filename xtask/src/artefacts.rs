@@ -45,7 +45,11 @@ pub fn anemo() -> Result<PathBuf> {
 ///
 /// All of them, as the tests need them: for one alone cargo chooses other features.
 pub fn interface() -> Result<PathBuf> {
-    executable(shell::cargo().args(["build", "--release", "--workspace", "--examples"]), "interface")
+    let mut cargo = shell::cargo();
+    executable(
+        cargo.args(["build", "--release", "--workspace", "--exclude", "anemo-python", "--examples"]),
+        "interface",
+    )
 }
 
 /// Builds an image of the firmware: `firmware` itself, `cost` or `overflow`.

@@ -49,7 +49,7 @@ pub fn run(options: &CampaignOptions) -> Result<()> {
     let [binary, tests, variable] = options.what.test();
     let cargo = |arguments: &[&str]| {
         let mut cargo = shell::cargo();
-        cargo.args(["test", "--release", "--workspace"]).args(arguments);
+        cargo.args(["test", "--release", "--workspace", "--exclude", "anemo-python"]).args(arguments);
         cargo
     };
     let anemo = artefacts::executable(&mut cargo(&["--lib", "--bins", "--tests", "--no-run"]), "anemo")?;

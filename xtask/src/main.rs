@@ -26,6 +26,7 @@ mod miri;
 mod mutants;
 mod overflow;
 mod pages;
+mod python;
 mod reference;
 mod safety;
 mod same_results;
@@ -105,6 +106,8 @@ enum Job {
     /// Put defects into the sensor board's firmware, one at a time, and show that its scenarios
     /// notice each
     Seeded(seeded::SeededOptions),
+    /// Build the Python package's wheel, install it into target/tools/python, and test it
+    Python(python::PythonOptions),
     /// Install the programs that what `anemo` publishes is tested against
     Counterparts,
     /// Program a sensor board through a debug probe and follow its log
@@ -135,6 +138,7 @@ fn main() -> ExitCode {
         Job::Coverage => coverage::run(),
         Job::Mutants(options) => mutants::run(&options),
         Job::Seeded(options) => seeded::run(&options),
+        Job::Python(options) => python::run(&options),
         Job::Counterparts => counterparts::run(),
         Job::Flash(options) => flash::run(&options),
     };

@@ -1,4 +1,4 @@
-//! The pages of the command-line reference, written by `anemo`'s example `interface` from the
+//! The pages of the command-line reference and the functions of the Python package, written by `anemo`'s example `interface` from the
 //! definition that the help is printed from; and whether those of the book are the same.
 
 use crate::{artefacts, shell};
@@ -6,6 +6,7 @@ use anyhow::{Context, Result, bail};
 use std::path::Path;
 
 const PAGES: &str = "docs/reference";
+const FUNCTIONS: &str = "python/anemo/_commands.py";
 
 #[derive(clap::Args)]
 pub struct ReferenceOptions {
@@ -32,6 +33,8 @@ pub fn check(interface: &Path) -> Result<()> {
 fn each_page(interface: &Path, mut with: impl FnMut(&Path, &str) -> Result<()>) -> Result<()> {
     let written = shell::target_directory()?.join("interface");
     shell::run(shell::program(interface).arg(&written))?;
+    let functions = std::fs::read_to_string(written.join("_commands.py")).context("_commands.py cannot be read")?;
+    with(&shell::root().join(FUNCTIONS), &functions)?;
     let (written, pages) = (written.join("reference"), shell::root().join(PAGES));
     std::fs::create_dir_all(&pages)?;
     for entry in std::fs::read_dir(&written).with_context(|| format!("{} cannot be read", written.display()))? {

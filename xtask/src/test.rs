@@ -7,7 +7,7 @@ use crate::artefacts::{self, FirmwareBoard};
 use crate::cost::{self, CostOptions};
 use crate::hardware::{self, HardwareOptions};
 use crate::pages::{self, PagePrograms, PagesOptions};
-use crate::{install, reference, safety, shell, size};
+use crate::{install, python, reference, safety, shell, size};
 use anyhow::Result;
 use std::io::{BufRead, IsTerminal};
 use std::time::Instant;
@@ -30,7 +30,8 @@ pub fn run(jobs: clap::Command) -> Result<()> {
     // features, and compiles everything once more.
     let cargo = |arguments: &[&str]| {
         let mut cargo = shell::cargo();
-        cargo.args(["test", "--release", "--workspace"]).args(arguments);
+        // The Python package has Python's tests.
+        cargo.args(["test", "--release", "--workspace", "--exclude", "anemo-python"]).args(arguments);
         cargo
     };
     // Tests that cross crates start these programs; they are handed over built.
@@ -47,6 +48,7 @@ pub fn run(jobs: clap::Command) -> Result<()> {
     stages.run("pages of the command line", || reference::check(&interface))?;
     let [(_, firmware), (_, anemo), _] = programs.clone();
     let shown = PagePrograms { anemo, interface, firmware };
+    stages.run("Python package", || python::test(&python::package()?.0))?;
     stages.run("commands in pages", || pages::run(&PagesOptions::default(), jobs, Some(shown)))?;
     let test = |arguments: &[&str]| {
         let mut cargo = cargo(arguments);

@@ -2,13 +2,15 @@
 //! `interface --parse`.
 //!
 //! The folder gets `completions/` (bash, zsh, fish, elvish, PowerShell), `man/` (`anemo.1` and a
-//! page a subcommand) and `reference/` (the Markdown pages of `docs/reference`).
+//! page a subcommand), `reference/` (the Markdown pages of `docs/reference`) and `_commands.py` (the
+//! functions of the Python package).
 //!
 //! `--parse` reads command lines from stdin, one a line, as `anemo run gusts.toml --on sim`, and
 //! starts nothing. Each that `anemo` would refuse is answered with `NUMBER: reason` on stdout, by
 //! the number of its line from 1; the exit code is 1 then. Words are quoted as in a shell; what
 //! follows a word `|`, `>`, `2>`, `&&`, `||`, `;` or `&` is not read, nor is a comment.
 
+mod python;
 mod reference;
 
 use clap::ValueEnum as _;
@@ -54,6 +56,7 @@ fn write(folder: &Path) -> std::io::Result<()> {
     for (file, text) in reference::pages(anemo::command()) {
         std::fs::write(pages.join(file), text)?;
     }
+    std::fs::write(folder.join("_commands.py"), python::module(anemo::command()))?;
     for shell in clap_complete::Shell::value_variants() {
         clap_complete::generate_to(*shell, &mut anemo::command(), "anemo", &completions)?;
     }

@@ -21,7 +21,7 @@ mod page;
 mod programs;
 mod transcript;
 
-use crate::{install, shell, sources};
+use crate::{install, python, shell, sources};
 use anyhow::{Context, Result, bail};
 use page::{Page, PageOutcome, Workshop};
 pub use programs::PagePrograms;
@@ -46,7 +46,16 @@ pub fn run(options: &PagesOptions, jobs: clap::Command, programs: Option<PagePro
     let mut pages = paths.iter().map(|path| Page::read(path)).collect::<Result<Vec<_>>>()?;
     // The longest come first, so that no processor waits for them at the end.
     pages.sort_by_key(|page| std::cmp::Reverse(page.steps.len()));
-    let programs = programs.map_or_else(PagePrograms::build, Ok)?;
+    let programs = match programs {
+        Some(programs) => programs,
+        None => {
+            let imports = |step: &Step| matches!(step, Step::Python { script, .. } if script.contains("import anemo"));
+            if pages.iter().flat_map(|page| &page.steps).any(imports) {
+                python::package()?;
+            }
+            PagePrograms::build()?
+        }
+    };
     let workshop = prepare(&pages, jobs, programs)?;
     let mut outcomes = run_all(&pages, &workshop)?;
     outcomes.sort_by_key(|(_, outcome)| std::cmp::Reverse(outcome.time));

@@ -9,6 +9,7 @@
 //!
 //! | module | form |
 //! |---|---|
+//! | [`state_space()`] | matrices in discrete time |
 //! | [`response`](mod@response) | Z(jω), with dead time and with the wind of structure `conductance` |
 //! | [`symbol`] | the continuous symbol η(ξ_k) |
 //! | [`foster`] | R_k parallel C_k in series, straight from the model |
@@ -25,10 +26,12 @@ mod report;
 pub mod response;
 pub mod source;
 pub mod spice;
+mod state_space;
 pub mod symbol;
 pub mod table;
 
 pub use cauer::structure_function;
 pub use report::{ExportForm, ExportReport};
-pub use response::response_in_class;
+pub use response::{impulse_response, response_in_class};
+pub use state_space::{StateSpace, state_space};
 pub use symbol::continuous_symbol;

@@ -74,6 +74,14 @@ impl ExportReport {
         Ok(Self { input, output, class: part.label.to_owned(), file, content })
     }
 
+    /// The table, if the form is one.
+    pub fn table(&self) -> Option<&ExportTable> {
+        match &self.content {
+            ExportContent::Table(table) => Some(table),
+            ExportContent::Text { .. } => None,
+        }
+    }
+
     /// The text of the file.
     pub fn text(&self) -> Cow<'_, str> {
         match &self.content {

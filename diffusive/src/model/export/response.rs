@@ -16,6 +16,8 @@
 use nalgebra::{Complex, DMatrix};
 
 use crate::model::content::{Class, Model, Pair, Structure};
+use crate::model::error::ModelError;
+use crate::model::pair_class::PairClass;
 
 /// H(jω) of one pair in the class called `label`, wind included; `None` if the model has no such
 /// class.
@@ -48,6 +50,22 @@ fn without_wind(model: &Model, pair: &Pair, class: &Class, omega_rad_s: f64) -> 
     let sum: Complex<f64> = poles.map(|(rate, resistance)| *resistance / Complex::new(1.0, omega_rad_s / rate)).sum();
     let dead_time_s = pair.dead_time_samples as f64 * model.sample_period_s;
     (sum + class.feed_through_k_per_w) * Complex::new(0.0, -omega_rad_s * dead_time_s).exp()
+}
+
+/// The impulse response in K/J at times in s: Σ R_k ξ_k e^(−ξ_k (t − dead time)), 0 before. A
+/// feed-through, a pulse of no width at the dead time, is not in it.
+///
+/// # Errors
+/// In a wind that has no symbol of its own.
+pub fn impulse_response(part: &PairClass, time_s: &[f64]) -> Result<Vec<f64>, ModelError> {
+    part.refuse_wind()?;
+    let at = |time_s: &f64| {
+        let since_s = time_s - part.dead_time_s();
+        let poles = part.pair.mesh_rad_s.iter().zip(&part.class.r_k_per_w);
+        let sum: f64 = poles.map(|(rate, resistance)| resistance * rate * (-rate * since_s).exp()).sum();
+        if since_s >= 0.0 { sum } else { 0.0 }
+    };
+    Ok(time_s.iter().map(at).collect())
 }
 
 /// Angular frequencies that show the whole of a pair, evenly spaced on the logarithmic axis: from a
@@ -97,6 +115,18 @@ mod tests {
         let expected = (still.inv() + 0.2).inv();
         assert!((windy - expected).norm() < 1e-13);
         assert_eq!(response_in_class(&model, pair, "storm", 0.7), None);
+    }
+
+    #[test]
+    fn an_impulse_response_begins_behind_the_dead_time_and_its_integral_is_the_gain() {
+        let mut model = testing::model(&[0.5, 4.0], &[10.0, 3.0]);
+        model.pairs[0].dead_time_samples = 3;
+        let part = PairClass::find(&model, None, None).unwrap();
+        let time_s: Vec<f64> = (0..100_000).map(|n| 0.3 + (f64::from(n) + 0.5) * 1e-3).collect();
+        let sum: f64 = impulse_response(&part, &time_s).unwrap().iter().sum();
+        // By the middles of 1 ms, each pole is right to (ξ h)²/24.
+        assert!((sum * 1e-3 - 13.0).abs() < 1e-4, "{sum}");
+        assert_eq!(impulse_response(&part, &[0.1, 0.299]).unwrap(), [0.0, 0.0]);
     }
 
     #[test]

@@ -1,0 +1,119 @@
+"""From the arguments of a function to the words of a command, and back to an object."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+import warnings
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Union
+
+from ._anemo import Model, Table, Text, perform
+from ._error import Error, Interrupted
+from ._results import Head, Report
+
+# A file, or what stands for one: a table of any library, a model, a head, an experiment.
+Source = Any
+# A number, a word, or a pair of numbers.
+Number = Union[str, float, int, bool, tuple, None]
+# One word or several.
+Words = Union[str, Sequence[str], None]
+# A file, or what stands for one.
+Paths = Any
+
+
+FLAG = object()
+
+
+def flag(value: bool) -> Any:
+    """An option that is given or not."""
+    return FLAG if value else None
+
+
+def several(value: Words) -> list | None:
+    """An option that may be given several times."""
+    return [value] if isinstance(value, str) else None if value is None else list(value)
+
+
+def word(value: Any) -> Any:
+    """A value as the command line has it, or an object that stands for a file."""
+    if isinstance(value, (str, Model, Table, Text)):
+        return value
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, tuple):
+        return ":".join(str(word(part)) for part in value)
+    if hasattr(value, "__anemo_text__"):
+        return value.__anemo_text__()
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if hasattr(value, "__arrow_c_stream__") or isinstance(value, Mapping):
+        return Table(value if hasattr(value, "__arrow_c_stream__") else dict(value))
+    # The shortest text that is read as the same number, numpy's numbers included.
+    return repr(value.item() if hasattr(value, "item") else value)
+
+
+def words_of(command: str, given: tuple, options: dict[str, Any]) -> list[tuple[str, Any]]:
+    words: list[tuple[str, Any]] = [("", part) for part in command.split()]
+    for value in given:
+        if value is not None:
+            # A path that begins with a hyphen is no option.
+            value = word(value)
+            words.append(("", f"./{value}" if isinstance(value, str) and value.startswith("-") else value))
+    for option, value in options.items():
+        if value is FLAG:
+            words.append(("", option))
+        elif isinstance(value, list):
+            words += [(f"{option}=", word(part)) for part in value]
+        elif value is not None:
+            words.append((f"{option}=", word(value)))
+    return words
+
+
+def call(command: str, given: tuple, options: dict[str, Any], result: Any) -> Any:
+    """Carries out a command, and makes a `result` of what it gives."""
+    if result is Table:
+        # Without a file to write to, the rows come back as a table.
+        place = "--output" if options.get("--output") is None else None
+        _, report, table = performed(command, given, options, place)
+        if table is None:
+            return report
+        table.report = report
+        return table
+    if result is Report:
+        return performed(command, given, options)[1]
+    if command == "identify":
+        text, _, _ = performed(command, given, options)
+        return Model.from_json(text)
+    extension = {Head: "toml"}.get(result, "json")
+    with tempfile.TemporaryDirectory(prefix="anemo-") as folder:
+        path = options.get("--output") or Path(folder, f"result.{extension}")
+        _, report, _ = performed(command, given, {**options, "--output": path})
+        made = result.read(os.fspath(path))
+    made.report = report
+    return made
+
+
+def performed(
+    command: str, given: tuple, options: dict[str, Any], place: str | None = None
+) -> tuple[str, Report, Table | None]:
+    """Carries out a command: its JSON, its report, and the table that is wanted."""
+    words = words_of(command, given, options)
+    if command == "run":
+        words.append(("", "--on=sim"))
+    text, printed, said, code, sentence, table, stopped = perform(words, place)
+    report = Report(json.loads(text) if text else {}, printed)
+    if stopped is not None:
+        if table is not None:
+            table.report = report
+        raise Interrupted(table) if isinstance(stopped, KeyboardInterrupt) else stopped
+    for warning in said:
+        warnings.warn(warning, stacklevel=4)
+    if sentence is not None:
+        # A run that tripped or ended early has recorded something, which is not thrown away.
+        if code not in (3, 4) or table is None:
+            raise Error(sentence, code)
+        warnings.warn(sentence, stacklevel=4)
+    return text or "", report, table

@@ -1,0 +1,179 @@
+//! Commands of the command line in this process, on a thread of their own.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, mpsc};
+use std::time::Duration;
+
+use anemo::in_process::{Failure, Performed};
+use pyo3::prelude::*;
+use recording::Recording;
+use recording::in_memory::InMemory;
+
+use crate::arrow_table::ArrowTable;
+use crate::model::Model;
+use crate::table::Table;
+
+/// How often Python is asked for signals.
+const LOOK: Duration = Duration::from_millis(50);
+/// As much as the main thread of a command has.
+const STACK_BYTES: usize = 8 << 20;
+
+/// Commands that are at work.
+static AT_WORK: AtomicUsize = AtomicUsize::new(0);
+/// Whether this process was forked from one in which a command was at work.
+static FORKED_AT_WORK: AtomicBool = AtomicBool::new(false);
+
+/// The package's own exception with a sentence and the exit code of the command line.
+pub fn error(py: Python<'_>, code: u8, sentence: &dyn std::fmt::Display) -> PyErr {
+    let raised =
+        py.import("anemo._error").and_then(|module| module.getattr("Error")?.call1((sentence.to_string(), code)));
+    raised.map_or_else(|error| error, PyErr::from_value)
+}
+
+/// A text that commands read like a file; what it names is sought from its folder.
+#[pyclass(module = "anemo", frozen)]
+pub struct Text {
+    folder: PathBuf,
+    extension: String,
+    text: String,
+}
+
+#[pymethods]
+impl Text {
+    #[new]
+    fn new(folder: PathBuf, extension: String, text: String) -> Self {
+        Self { folder, extension, text }
+    }
+}
+
+/// A word of a command line, or what stands for one.
+#[derive(FromPyObject)]
+pub enum Word<'py> {
+    Word(String),
+    Table(PyRef<'py, Table>),
+    Model(PyRef<'py, Model>),
+    Text(PyRef<'py, Text>),
+}
+
+/// Words as the command has them, and names that last as long as it works.
+struct Words {
+    words: Vec<String>,
+    named: Vec<InMemory>,
+}
+
+impl Words {
+    fn push(&mut self, option: &str, word: &Word<'_>) {
+        let named = match word {
+            Word::Word(word) => return self.words.push(format!("{option}{word}")),
+            Word::Table(table) => InMemory::table(Arc::clone(&table.inner) as _),
+            Word::Model(model) => InMemory::text("".as_ref(), "json", &model.inner.to_json()),
+            Word::Text(text) => InMemory::text(&text.folder, &text.extension, &text.text),
+        };
+        self.words.push(format!("{option}{}", named.path().display()));
+        self.named.push(named);
+    }
+
+    /// A sentence in which what has a name for the moment only is called what it is.
+    fn told(&self, sentence: &str) -> String {
+        self.named.iter().fold(sentence.to_owned(), |sentence, named| {
+            let path = named.path().display().to_string();
+            let what = match path.rsplit('.').next() {
+                Some("parquet") => "the table",
+                Some("json") => "the model",
+                _ => "the text",
+            };
+            sentence.replace(&path, what)
+        })
+    }
+}
+
+/// What a command has done: its JSON and text, its warnings, exit code and sentence, the recording
+/// if one was wanted, and the signal that came meanwhile.
+type Done = (Option<String>, String, Vec<String>, u8, Option<String>, Option<Table>, Option<PyErr>);
+
+/// Carries out a command, whose words stand each behind its option ("--head=") or nothing; `place` is the option for a recording that comes back as a table. A first KeyboardInterrupt ends the work,
+/// and what it has done comes back with it; a second one leaves the work alone.
+#[pyfunction]
+#[pyo3(signature = (words, place = None))]
+pub fn perform(py: Python<'_>, words: Vec<(String, Word<'_>)>, place: Option<&str>) -> PyResult<Done> {
+    if FORKED_AT_WORK.load(Ordering::Relaxed) {
+        let sentence = "this process was forked while another thread was at work in anemo, whose locks it has kept: \
+                        start processes by multiprocessing.get_context(\"spawn\")";
+        return Err(error(py, 1, &sentence));
+    }
+    let mut all = Words { words: Vec::new(), named: Vec::new() };
+    words.iter().for_each(|(option, word)| all.push(option, word));
+    let wanted = place.map(|option| {
+        let wanted = InMemory::place();
+        all.words.push(format!("{option}={}", wanted.path().display()));
+        wanted
+    });
+    let (flag, words) = (Arc::new(AtomicBool::new(false)), all.words.clone());
+    let work = {
+        let flag = Arc::clone(&flag);
+        move || anemo::in_process::perform(&words, &flag)
+    };
+    let (performed, signal) = waited_for(py, &flag, work)?;
+    let Performed { heard, outcome } = performed;
+    let table = wanted
+        .and_then(InMemory::take)
+        .map(|recording: Recording| Table { inner: Arc::new(ArrowTable::of_recording(recording)) });
+    let (code, sentence) = match outcome {
+        Ok(()) => (0, None),
+        Err(Failure { code, sentence }) => (code, Some(all.told(&sentence))),
+    };
+    let warnings = heard.warnings.iter().map(|warning| all.told(warning)).collect();
+    Ok((heard.json.map(|json| all.told(&json)), all.told(&heard.printed), warnings, code, sentence, table, signal))
+}
+
+/// Does work on a thread, with a pool of its own, so that no thread is left once it is done.
+fn waited_for<T: Send + 'static>(
+    py: Python<'_>,
+    interrupted: &AtomicBool,
+    work: impl FnOnce() -> T + Send + 'static,
+) -> PyResult<(T, Option<PyErr>)> {
+    let (sender, mut receiver) = mpsc::channel();
+    AT_WORK.fetch_add(1, Ordering::SeqCst);
+    std::thread::spawn(move || {
+        let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK_BYTES).build();
+        let done = pool.map(|pool| pool.install(work));
+        AT_WORK.fetch_sub(1, Ordering::SeqCst);
+        // Nobody listens where the work was left alone.
+        let _ = sender.send(done);
+    });
+    let mut signal = None;
+    loop {
+        let listening = &mut receiver;
+        match py.detach(move || listening.recv_timeout(LOOK)) {
+            Ok(done) => {
+                let done = done.map_err(|reason| error(py, 1, &format!("no threads can be started: {reason}")));
+                return Ok((done?, signal));
+            }
+            Err(mpsc::RecvTimeoutError::Timeout) => {
+                let Err(raised) = py.check_signals() else { continue };
+                interrupted.store(true, Ordering::Relaxed);
+                if signal.is_some() {
+                    return Err(raised);
+                }
+                signal = Some(raised);
+            }
+            Err(mpsc::RecvTimeoutError::Disconnected) => {
+                AT_WORK.fetch_sub(1, Ordering::SeqCst);
+                return Err(error(py, 1, &"the work has ended by a defect, which stands on stderr: please report it"));
+            }
+        }
+    }
+}
+
+/// Called in a child process after a fork.
+#[pyfunction]
+pub fn forked() {
+    FORKED_AT_WORK.store(AT_WORK.load(Ordering::SeqCst) > 0, Ordering::Relaxed);
+}
+
+/// The command line itself, with the words of this process; gives its exit code.
+#[pyfunction]
+pub fn main(py: Python<'_>, words: Vec<String>) -> u8 {
+    py.detach(|| anemo::main_of(words))
+}
