@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 const WATCHED: [&str; 6] = ["clap", "nix", "parquet", "plotters", "serialport", "unicorn-engine"];
 
 /// All crates, and what each has of [`WATCHED`].
-const CRATES: [(&str, &[&str]); 16] = [
+const CRATES: [(&str, &[&str]); 17] = [
     ("dr-core", &[]),
     ("wire", &[]),
     ("firmware", &[]),
@@ -24,6 +24,7 @@ const CRATES: [(&str, &[&str]); 16] = [
     ("dielectric", &["nix", "parquet", "serialport"]),
     ("anemo", &["clap", "nix", "parquet", "serialport"]),
     ("studies", &["parquet"]),
+    ("sweep", &["parquet"]),
     ("anemo-tests", &["nix", "parquet", "serialport"]),
     ("xtask", &["clap"]),
     ("image-analysis", &[]),
