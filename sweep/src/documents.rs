@@ -92,9 +92,11 @@ impl Documents {
         let head =
             named_in(path, table, "head").ok_or_else(|| refuse("names no `head`: an experiment belongs here"))?;
         let models = named_in(path, table, "models");
-        for named in [Some(head), models].into_iter().flatten() {
-            self.add(&named)
-                .map_err(|error| named_by(&TomlSource { path: path.to_owned(), text: String::new() }, "head", error))?;
+        for (key, named) in [("head", Some(head)), ("models", models)] {
+            let Some(named) = named else { continue };
+            if let Err(error) = self.add(&named) {
+                return Err(named_by(&TomlSource::read(path)?, key, error));
+            }
         }
         Ok(())
     }

@@ -3,11 +3,12 @@
 //!
 //! `{recording}` stands for the run's recording, `{sweep}` for the folder of the sweep file. The
 //! JSON object that a step prints becomes columns of the results; it is kept beside, and so is what
-//! the step says on the way.
+//! the step says on the way. A pattern such as `identify-*.parquet` is replaced by the files that
+//! match it.
 
 use std::fs::OpenOptions;
 use std::io::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use recording::Temporary;
@@ -82,7 +83,7 @@ impl StepCommand {
         places: &StepPlaces<'_>,
         results: &mut Map<String, Value>,
     ) -> Result<(), RunFailure> {
-        let words: Vec<String> = self.words.iter().map(|word| places.fill(word)).collect();
+        let words: Vec<String> = self.words.iter().flat_map(|word| matching(folder, &places.fill(word))).collect();
         let shown = self.words.join(" ");
         let mut command = Command::new(program);
         // A sweep has a thread for every core already.
@@ -108,6 +109,17 @@ impl StepCommand {
         }
         Ok(())
     }
+}
+
+/// As a shell does: the files of a folder that match a pattern, or the word itself.
+fn matching(folder: &Path, word: &str) -> Vec<String> {
+    let pattern = Path::new(&glob::Pattern::escape(&folder.to_string_lossy())).join(word);
+    let found =
+        Some(word).filter(|word| word.contains(['*', '?'])).and_then(|_| glob::glob(&pattern.to_string_lossy()).ok());
+    let inside = |path: PathBuf| path.strip_prefix(folder).map_or(path.clone(), Path::to_path_buf);
+    let names: Vec<String> =
+        found.into_iter().flatten().flatten().map(|path| inside(path).to_string_lossy().into_owned()).collect();
+    if names.is_empty() { vec![word.to_owned()] } else { names }
 }
 
 #[cfg(test)]

@@ -149,11 +149,7 @@ impl SweepFile {
         }
         let experiments = match &table.experiment {
             None => Vec::new(),
-            Some(value) => words(value)
-                .ok_or_else(|| source.refuse("experiment", "is no path and no list of paths"))?
-                .iter()
-                .map(|path| folder.join(path))
-                .collect(),
+            Some(value) => experiments(&folder, value).map_err(|wrong| source.refuse("experiment", wrong))?,
         };
         let repeated = (1..experiments.len())
             .find(|n| experiments[..*n].iter().any(|before| before.file_stem() == experiments[*n].file_stem()));
@@ -294,6 +290,20 @@ fn place_of(name: &str) -> Result<VariedPlace, String> {
             _ => VariedPlace::Experiment(KeyPath::parse(name)?),
         },
     })
+}
+
+/// The experiments of a path, a pattern, or a list of them.
+fn experiments(folder: &Path, value: &Value) -> Result<Vec<PathBuf>, String> {
+    let named = words(value).ok_or("is no path and no list of paths")?;
+    let mut all = Vec::new();
+    for name in named {
+        if name.contains(['*', '?']) {
+            all.extend(files(folder, &name)?.iter().filter_map(Value::as_str).map(|path| folder.join(path)));
+        } else {
+            all.push(folder.join(name));
+        }
+    }
+    Ok(all)
 }
 
 /// The files of a pattern, which counts from the folder of the sweep file, as paths from there.

@@ -8,7 +8,7 @@ use crate::plan::{Plan, Shard};
 use crate::run_folder::RunFolder;
 use recording::Recording;
 
-const NEVER: AtomicBool = AtomicBool::new(false);
+static NEVER: AtomicBool = AtomicBool::new(false);
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize().unwrap()
@@ -170,7 +170,7 @@ fn an_outlier_is_named_with_its_head_among_equal_winds() {
     let folder = tempfile::tempdir().unwrap();
     // Seven heads, of which one has a platinum film of another kind, in two winds.
     let rest = "[[vary]]\nkey = \"wind.speed_m_s\"\nvalues = [1.0, 9.0]\n[[vary]]\nkey = \"head.kinds.sector.platinum.coefficient_per_c\"\nvalues = [0.0031, 0.003101, 0.003102, 0.003103, 0.003104, 0.003105, 0.0037]\n[outliers]\ncolumns = [\"steady_temperature_c_sector1\"]\nby = [\"wind.speed_m_s\"]\n";
-    let plan = plan(folder.path(), &format!("{rest}"));
+    let plan = plan(folder.path(), rest);
     let out = folder.path().join("out");
     work(&plan, &out, None);
     let report = plan.gather(&out).unwrap();
