@@ -59,16 +59,6 @@ impl Temporary {
         sync_name(&self.destination)
     }
 
-    /// Writes a whole file in one go without waiting for the disk: one that can be made again.
-    ///
-    /// # Errors
-    /// As [`Temporary::create`], or if it cannot be written.
-    pub fn write_soon(destination: &Path, content: &[u8]) -> io::Result<()> {
-        let (temporary, mut file) = Self::create(destination)?;
-        io::Write::write_all(&mut file, content)?;
-        Ok(temporary.beside.persist(&temporary.destination).map_err(|refused| refused.error)?)
-    }
-
     /// Removes what writers of this file have left that were killed; the caller knows that none is
     /// at work.
     pub(crate) fn clear_left(destination: &Path) {

@@ -1,8 +1,8 @@
 //! What a sweep costs beside its runs, and what a second core saves.
 //!
 //! `cargo bench -p sweep`. Pairs are measured one after the other, five times, and the median
-//! counts: other work on the machine disturbs both of a pair alike, more or less. The load before
-//! each pair stands beside it.
+//! counts. Other work on the machine disturbs: the load before each pair stands beside it, and the
+//! processor time, which other work changes less.
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -57,6 +57,14 @@ fn plain_s(folder: &Path, runs: usize, duration_s: f64) -> f64 {
     start.elapsed().as_secs_f64()
 }
 
+/// Processor time of this process so far, s. The clock of Linux has ticks of 10 ms.
+fn processor_s() -> f64 {
+    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    // Behind the name in brackets, user and system time are the 12th and 13th.
+    let fields = stat.rsplit(')').next().unwrap_or_default().split_whitespace().skip(11).take(2);
+    0.01 * fields.filter_map(|ticks| ticks.parse::<f64>().ok()).sum::<f64>()
+}
+
 fn load() -> String {
     let load = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
     load.split(' ').next().unwrap_or_default().to_owned()
@@ -67,8 +75,15 @@ fn pairs(what: &str, mut one: impl FnMut() -> f64, mut other: impl FnMut() -> f6
     println!("{what}");
     let mut ratios: Vec<f64> = (0..PAIRS)
         .map(|_| {
-            let (load, one_s, other_s) = (load(), one(), other());
-            println!("  {one_s:.3} s and {other_s:.3} s: {:.3}  (load {load})", one_s / other_s);
+            let (load, begin_s) = (load(), processor_s());
+            let (one_s, between_s) = (one(), processor_s());
+            let (other_s, end_s) = (other(), processor_s());
+            let (one_cpu_s, other_cpu_s) = (between_s - begin_s, end_s - between_s);
+            println!(
+                "  {one_s:.3} s and {other_s:.3} s: {:.3}; processor time {one_cpu_s:.2} s and {other_cpu_s:.2} s: {:.3}  (load {load})",
+                one_s / other_s,
+                one_cpu_s / other_cpu_s
+            );
             one_s / other_s
         })
         .collect();

@@ -11,7 +11,7 @@ const NOTE: &str = "shards";
 
 pub(crate) fn write(folder: &Path, shards: usize) -> Result<(), SweepError> {
     let path = folder.join(NOTE);
-    Temporary::write_soon(&path, shards.to_string().as_bytes()).map_err(|error| SweepError::folder(&path, &error))
+    Temporary::write(&path, shards.to_string().as_bytes()).map_err(|error| SweepError::folder(&path, &error))
 }
 
 /// How many there are; one, where it is not noted.

@@ -60,7 +60,7 @@ pub fn submit(plan: &Plan, options: &SlurmOptions) -> Result<SlurmJobs, SweepErr
     let shards: Vec<usize> = plan.missing(&whole.folder, options.tasks).iter().map(|missing| missing.shard).collect();
     let put = |name: &str, text: String| {
         let path = scripts.join(name);
-        Temporary::write_soon(&path, text.as_bytes()).map_err(|error| SweepError::folder(&path, &error))?;
+        Temporary::write(&path, text.as_bytes()).map_err(|error| SweepError::folder(&path, &error))?;
         Ok::<_, SweepError>(path)
     };
     let task = format!("--shard \"$SLURM_ARRAY_TASK_ID/{}\" --jobs {}", options.tasks, options.jobs);

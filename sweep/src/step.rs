@@ -97,8 +97,10 @@ impl StepCommand {
             log.and_then(|mut log| write!(log, "{shown}\n{said}")).map_err(RunFailure::unwritten(folder))?;
         }
         if !output.status.success() {
-            let sentence = said.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or("it ended without a word");
-            let sentence = sentence.strip_prefix("anemo: ").unwrap_or(sentence);
+            // From the word that every error begins with to the end; warnings stand before it.
+            let begin = said.rfind("anemo: ").map_or(0, |at| at + "anemo: ".len());
+            let words: Vec<&str> = said[begin..].split_whitespace().collect();
+            let sentence = if words.is_empty() { "it ended without a word".to_owned() } else { words.join(" ") };
             return Err(RunFailure::Failed(format!("`{shown}`: {sentence}")));
         }
         // A step that prints a text for people has no numbers.
