@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use pyo3::prelude::*;
-use sweep::{Plan, RunFailure};
+use ::sweep::{Plan, RunFailure};
 
 use crate::commands::{error, waited_for};
 
