@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use pyo3::prelude::*;
 use ::sweep::{Plan, RunFailure};
+use pyo3::prelude::*;
 
 use crate::commands::{error, waited_for};
 
