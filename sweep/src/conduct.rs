@@ -102,7 +102,11 @@ impl Plan {
             if interrupted.load(Ordering::Relaxed) {
                 return Err(RunFailure::Interrupted);
             }
-            step.run(&self.program, folder, &places, &mut results)?;
+            let done = step.run(&self.program, folder, &places, &mut results);
+            // A terminal interrupts the step as well, which is then no failure of its own.
+            done.map_err(
+                |failure| if interrupted.load(Ordering::Relaxed) { RunFailure::Interrupted } else { failure },
+            )?;
         }
         if !self.file.keeps_recordings {
             recordings.iter().try_for_each(fs::remove_file).map_err(RunFailure::unwritten(folder))?;
