@@ -26,7 +26,8 @@ pub struct Accumulator {
     folds: Vec<Gram>,
     /// First row behind every fold but the last.
     borders: Vec<u64>,
-    /// States behind every fold.
+    /// States behind every fold from this one on.
+    first_end: usize,
     ends: Vec<Vec<f64>>,
     /// With the decays that later segments begin with, and how many those are.
     design: RegressionDesign,
@@ -34,6 +35,13 @@ pub struct Accumulator {
     row: u64,
     /// Rows at the beginning that say nothing: what drove them stood before the record.
     lead: u64,
+}
+
+/// Sums by fold, states behind folds by fold, and states behind the last row.
+pub struct AccumulatedPart {
+    pub folds: Vec<(usize, Gram)>,
+    pub ends: Vec<(usize, Vec<f64>)>,
+    pub states: Vec<f64>,
 }
 
 impl Accumulator {
@@ -60,11 +68,41 @@ impl Accumulator {
             starts: starts_rad_s.len(),
             folds: vec![Gram::empty(design.width()); folds],
             borders: (1..folds as u64).map(|fold| expected_rows * fold / folds as u64).collect(),
+            first_end: 0,
             ends: Vec::with_capacity(folds),
             row: 0,
             lead: design.longest_delay() as u64,
             design,
         }
+    }
+
+    /// Begins in the middle of a record, at `row`: behind the rows of `before`, of which that still
+    /// counts which drives late, and with `states`, or those of a record's first row.
+    pub fn begin(mut self, row: u64, before: &Block, states: Option<&[f64]>, first_gas_c: Option<f64>) -> Self {
+        self.rows.count_gas_from(first_gas_c);
+        for from in (0..before.len()).step_by(BATCH) {
+            let rows = BATCH.min(before.len() - from);
+            self.rows.fill(before, GasSource::Constant(0.0), from, rows, &mut self.panels);
+        }
+        self.rows.begin_states();
+        if let Some(states) = states {
+            self.rows.resume(states);
+        }
+        // A fold that ends with the row before has its states here.
+        self.at = self.borders.partition_point(|&border| border < row);
+        self.first_end = self.at;
+        (self.row, self.lead) = (row, 0);
+        self
+    }
+
+    /// What some rows in the middle of a record are: sums by fold, states behind the folds that
+    /// ended, and behind the last row.
+    pub fn into_part(mut self) -> AccumulatedPart {
+        self.end_part();
+        let mut states = self.rows.states();
+        states[self.design.decays().end] = 1.0;
+        let folds = self.folds.into_iter().enumerate().filter(|(_, fold)| fold.rows > 0).collect();
+        AccumulatedPart { folds, ends: (self.first_end..).zip(self.ends).collect(), states }
     }
 
     pub fn push(&mut self, block: &Block, gas: GasSource) {

@@ -42,6 +42,7 @@
 //! | [`symbol`], `conductance` | the two structures: a symbol a class (thesis 2.19), wind as feedback (theory 12) |
 //! | `losses` | losses that grow with temperature, around any of `symbol` and `refine` |
 //! | [`refine`], `tied` | a few free rates in place of a mesh; reciprocal pairs |
+//! | `reading`, [`parts`] | what is asked of a record for that, and the same of sums that were gathered part by part |
 //! | `fitted`, `residual_pass`, `residuals`, `whiteness`, `support` | what is left, whether another candidate leaves less, and whether the record could carry the model |
 //! | `advice` | what the next record should be |
 //! | [`report`] | the result for people |
@@ -51,6 +52,7 @@
 pub mod cole_cole;
 pub mod nonnegative;
 pub mod options;
+pub mod parts;
 pub mod record;
 pub mod refine;
 pub mod report;
@@ -91,6 +93,7 @@ mod outcome;
 mod panels;
 mod prior;
 mod quiet_start;
+mod reading;
 mod residual_pass;
 pub(crate) mod residuals;
 mod rows;
@@ -106,7 +109,8 @@ pub use options::{Constraints, FitObserver, GasGiven, IdentifyOptions, InitialSt
 pub use residuals::FitRow;
 
 use crate::model::{Model, Structure};
-use record::{RecordError, RecordSource};
+use reading::RowReading;
+use record::{RecordError, RecordSource, Survey};
 
 /// Identifies a record: reads it a few times, reports `progress`, and calls `observer` for every
 /// row with the model's prediction; again for all rows if losses that grow with temperature are
@@ -122,16 +126,21 @@ pub fn identify(
 ) -> Result<Model, RecordError> {
     validate_options::refuse(source.survey(), options)?;
     losses::refuse(source.survey(), options)?;
-    let mut model = losses::identify(source, options, &linear, progress, observer)?;
-    model.chosen.reasons.extend(validate_options::pairing(source.survey(), options));
-    let mut against = validate_options::warnings(source.survey(), options);
+    let model = losses::identify(source, options, &linear, progress, observer)?;
+    Ok(judged(model, source.survey(), options))
+}
+
+/// A model with all that speaks against it, and what the next record should be.
+fn judged(mut model: Model, survey: &Survey, options: &IdentifyOptions) -> Model {
+    model.chosen.reasons.extend(validate_options::pairing(survey, options));
+    let mut against = validate_options::warnings(survey, options);
     against.extend(support::silent(&model));
     against.extend(support::disturbed(&model));
     model.supported &= against.is_empty();
     model.warnings.extend(against);
     model.warnings.extend(support::undrifted(&model, options));
     model.advice = advice::advice(&model, options.losses == Losses::Growing);
-    Ok(model)
+    model
 }
 
 /// A model whose losses do not grow with temperature, of the structure that was asked for.
@@ -143,10 +152,12 @@ fn linear(
 ) -> Result<Model, RecordError> {
     match (options.free_poles, options.structure) {
         (Some(poles), _) => {
-            let mesh = symbol::identify(source, options, progress, &mut |_| {})?;
+            let mesh = symbol::identify(&mut RowReading(source), options, progress, &mut |_| {})?;
             refine::refine(source, &mesh, poles, options, progress, observer)
         }
         (None, Some(Structure::Conductance)) => conductance::identify(source, options, progress, observer),
-        (None, Some(Structure::Symbol) | None) => symbol::identify(source, options, progress, observer),
+        (None, Some(Structure::Symbol) | None) => {
+            symbol::identify(&mut RowReading(source), options, progress, observer)
+        }
     }
 }

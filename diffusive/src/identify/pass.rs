@@ -1,6 +1,8 @@
 //! One reading of a record: the normal equations of several designs, and the plain facts that
 //! checks and priors need.
 
+use serde::{Deserialize, Serialize};
+
 use super::accumulator::Accumulator;
 use super::design::{BankDrive, RegressionDesign, RelaxationBank};
 use super::gas_source::GasSource;
@@ -14,7 +16,7 @@ use crate::model::Provenance;
 
 /// Spreads of inputs, in one class and in all, of outputs and of the gas, each counted from the
 /// first row.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Facts {
     pub rows: u64,
     pub first_inputs: Vec<f64>,
@@ -196,7 +198,7 @@ pub fn pass(
     let mut accumulators = Vec::new();
     let mut output_shift = Vec::new();
     while let Some(block) = source.next_block()? {
-        if accumulators.is_empty() {
+        if facts.rows == 0 {
             output_shift = block.outputs.iter().map(|values| mean(values)).collect();
             let of = |design| Accumulator::new(design, &starts_rad_s, sample_period_s, expected, folds, &output_shift);
             accumulators = designs.iter().map(of).collect();

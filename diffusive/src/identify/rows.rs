@@ -127,8 +127,27 @@ impl RegressionRows {
 
     /// Begins anew, as nothing is known of what was before.
     pub fn restart(&mut self) {
-        self.lanes.iter_mut().zip(&self.first).for_each(|(states, first)| states.x = *first);
+        self.begin_states();
         self.banks.iter_mut().for_each(|bank| bank.late.fill(0.0));
+    }
+
+    /// Gives the columns the states with which a segment begins; what drives late still comes.
+    pub fn begin_states(&mut self) {
+        self.lanes.iter_mut().zip(&self.first).for_each(|(states, first)| states.x = *first);
+    }
+
+    /// Goes on with these states of the columns that have some.
+    pub fn resume(&mut self, states: &[f64]) {
+        for (column, (&state, remembers)) in states.iter().zip(&self.remembers).enumerate() {
+            if *remembers {
+                self.lanes[column / LANES].x[column % LANES] = state;
+            }
+        }
+    }
+
+    /// Counts the gas from a temperature of a row that was before.
+    pub fn count_gas_from(&mut self, gas_c: Option<f64>) {
+        self.banks.iter_mut().for_each(|bank| bank.first_gas_c = gas_c);
     }
 
     /// For every panel whether it has another value than 0 in the batch that was written last.
