@@ -109,7 +109,6 @@ pub use options::{Constraints, FitObserver, GasGiven, IdentifyOptions, InitialSt
 pub use residuals::FitRow;
 
 use crate::model::{Model, Structure};
-use reading::RowReading;
 use record::{RecordError, RecordSource, Survey};
 
 /// Identifies a record: reads it a few times, reports `progress`, and calls `observer` for every
@@ -152,12 +151,10 @@ fn linear(
 ) -> Result<Model, RecordError> {
     match (options.free_poles, options.structure) {
         (Some(poles), _) => {
-            let mesh = symbol::identify(&mut RowReading(source), options, progress, &mut |_| {})?;
+            let mesh = symbol::identify(source, options, progress, &mut |_| {})?;
             refine::refine(source, &mesh, poles, options, progress, observer)
         }
         (None, Some(Structure::Conductance)) => conductance::identify(source, options, progress, observer),
-        (None, Some(Structure::Symbol) | None) => {
-            symbol::identify(&mut RowReading(source), options, progress, observer)
-        }
+        (None, Some(Structure::Symbol) | None) => symbol::identify(source, options, progress, observer),
     }
 }

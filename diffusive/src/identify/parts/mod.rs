@@ -40,6 +40,6 @@ use reading::PartReading;
 /// As [`super::identify`], but for what only rows tell.
 pub fn identify_parts(plan: &GramPlan, whole: SummedRows, progress: &mut Progress<'_>) -> Result<Model, RecordError> {
     let mut reading = PartReading::of(plan, whole)?;
-    let model = symbol::identify(&mut reading, &plan.options, progress, &mut |_| {})?;
+    let model = symbol::identify_read(&mut reading, &plan.options, progress, &mut |_| {})?;
     Ok(judged(model, &plan.survey, &plan.options))
 }

@@ -16,6 +16,9 @@ use crate::identify::symbol::{asked_of, plan::SymbolPlan};
 use crate::identify::validate_options;
 use crate::model::Structure;
 
+/// What the user should know.
+const UNTOLD: &str = "from sums of parts: losses that grow with temperature, and single rows that stand out, are not looked for";
+
 /// A part of a record, and its place in it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PartPlace {
@@ -81,7 +84,7 @@ impl GramPlan {
         options: &IdentifyOptions,
         progress: &mut Progress<'_>,
     ) -> Result<Self, RecordError> {
-        let survey = source.survey().clone();
+        let mut survey = source.survey().clone();
         let mut options = options.clone();
         refuse(&survey, &options)?;
         validate_options::refuse(&survey, &options)?;
@@ -100,6 +103,7 @@ impl GramPlan {
             "has other rows as a whole than in its parts: cut it where no row is left out, or identify it as a whole",
         )?;
         let (facts, output_shift) = (passed.facts, passed.output_shift);
+        survey.notes.push(UNTOLD.to_owned());
         let plan = Self { survey, options, classes, path, facts, output_shift, selection, parts };
         plan.designs()?;
         Ok(plan)
@@ -122,6 +126,11 @@ impl GramPlan {
     /// The file of the record.
     pub fn record(&self) -> &Path {
         &self.survey.path
+    }
+
+    /// What was found remarkable in the record, and what sums do not tell.
+    pub fn notes(&self) -> &[String] {
+        &self.survey.notes
     }
 
     /// Rows of the whole record.

@@ -34,14 +34,16 @@ pub struct SummedDesigns {
 /// Sums of consecutive rows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SummedRows {
+    /// In the record, from 0.
     pub first_row: u64,
+    /// How many.
     pub rows: u64,
     /// The first rows, and the last, as many as the model is late.
     head: Block,
-    pub tail: Block,
+    pub(super) tail: Block,
     /// Of the rows behind the head; none if there are none.
-    pub designs: Vec<DesignSums>,
-    pub lags: LagSums,
+    pub(super) designs: Vec<DesignSums>,
+    pub(super) lags: LagSums,
 }
 
 impl SummedDesigns {

@@ -205,3 +205,49 @@ fn sums_of_parts_make_the_model_of_the_whole_with_a_room_that_drifts() {
     let (rig, has) = (rig(6000, 0.002, 0), Has { second: true, ..Has::default() });
     compare(&rig, has, &IdentifyOptions::default(), &[1, 7, 64], "two elements, drift");
 }
+
+/// A record in blocks of another size.
+struct Chopped(RecordTable, crate::identify::record::Block, Vec<crate::identify::record::Block>);
+
+impl crate::identify::record::RecordSource for Chopped {
+    fn survey(&self) -> &crate::identify::record::Survey {
+        self.0.survey()
+    }
+    fn next_block(
+        &mut self,
+    ) -> Result<Option<&crate::identify::record::Block>, crate::identify::record::RecordError> {
+        if self.2.is_empty() {
+            let Some(block) = self.0.next_block()? else { return Ok(None) };
+            let size = 997;
+            self.2 = (0..block.len()).step_by(size).map(|from| block.rows(from..block.len().min(from + size))).collect();
+            self.2.reverse();
+        }
+        self.1 = self.2.pop().unwrap();
+        Ok(Some(&self.1))
+    }
+    fn restart(&mut self) -> Result<(), crate::identify::record::RecordError> {
+        self.2.clear();
+        self.0.restart()
+    }
+    fn classes(&self) -> &[String] {
+        self.0.classes()
+    }
+}
+
+#[test]
+fn floor() {
+    for walk in [0.0, 0.002, 0.02] {
+        let (rig, has) = (rig(6000, walk, 0), Has { second: true, ..Has::default() });
+        let options = IdentifyOptions::default();
+        let one = whole(&rig, has, &options);
+        let mut chopped = Chopped(rig.table(0..rig.rows(), has), Default::default(), Vec::new());
+        let other = identify(&mut chopped, &options, &mut |_, _, _| {}, &mut |_| {}).unwrap();
+        println!("floor {walk} R {:.1e} se {:.1e} {:?}", apart(values(&other), values(&one)), apart(errors(&other), errors(&one)), one.chosen.reasons);
+        let mut random = Random(3);
+        for count in [1, 7, 64] {
+            let cuts = cuts(rig.rows(), count, &mut random);
+            let parts = in_parts(&rig, has, &options, &cuts, &mut random);
+            println!("parts {count} R {:.1e} se {:.1e}", apart(values(&parts), values(&one)), apart(errors(&parts), errors(&one)));
+        }
+    }
+}

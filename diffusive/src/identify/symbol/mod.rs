@@ -15,8 +15,8 @@ use super::candidates::MeshPart;
 use super::choose::{CandidateSet, Choice};
 use super::fitted::FittedOutput;
 use super::options::{FitObserver, IdentifyOptions, Progress};
-use super::reading::SumReading;
-use super::record::{RecordError, Survey};
+use super::reading::{RowReading, SumReading};
+use super::record::{RecordError, RecordSource, Survey};
 use super::residual_pass::observed;
 use super::tied::{Tied, tie};
 use super::whiteness::prefer_white;
@@ -34,6 +34,16 @@ const COARSER: f64 = 3.0;
 /// # Errors
 /// If the record cannot be read, or cannot carry any of the models.
 pub fn identify(
+    source: &mut dyn RecordSource,
+    options: &IdentifyOptions,
+    progress: &mut Progress<'_>,
+    observer: &mut FitObserver<'_>,
+) -> Result<Model, RecordError> {
+    identify_read(&mut RowReading(source), options, progress, observer)
+}
+
+/// The same, of a record that gives sums.
+pub(super) fn identify_read(
     source: &mut dyn SumReading,
     options: &IdentifyOptions,
     progress: &mut Progress<'_>,
@@ -49,7 +59,7 @@ pub fn identify(
         let others = decided(source, &reading, &open, progress)?;
         let against = asked::contradictions(&reading.plan.survey, options, &choices, &others);
         if !against.is_empty() {
-            let mut model = identify(source, &open, progress, observer)?;
+            let mut model = identify_read(source, &open, progress, observer)?;
             model.warnings.extend(against);
             model.supported = false;
             return Ok(model);
