@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::identify::{ModelOptions, is_gram, progress_bar};
 use crate::output::Failure;
-use diffusive::identify::parts::{GramError, GramFile, GramPlan, SummedRows, join_files};
+use diffusive::identify::parts::{GramError, GramFile, GramPlan, PartStarts, SummedRows, join_files};
 use diffusive::identify::record::{RecordSource as _, RecordStream};
 
 /// Sum the parts of a long record, on as many machines as there are, for `anemo identify`.
@@ -91,17 +91,24 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let (plan, sums) = match plan {
         Some(_) if is_join => return Err(Failure::usage("--plan is for a part of a record: leave it out to join sums")),
         None if is_join => join_files(files).map(|(plan, sums)| (plan, Some(sums)))?,
-        None => (planned(files, model)?, None),
+        None => {
+            let (plan, starts) = planned(files, model)?;
+            GramFile::write_plan(output_file, &plan, &starts).map_err(Failure::work)?;
+            (plan, None)
+        }
         Some(path) => {
             let [part] = &files[..] else {
                 return Err(Failure::usage("--plan sums one part at a time: name one record"));
             };
-            let plan = GramFile::open(path)?.plan;
-            let sums = plan.sum_file(part, &mut progress_bar())?;
+            let file = GramFile::open(path)?;
+            let plan = file.plan.clone();
+            let sums = plan.sum_file(&file.starts()?, part, &mut progress_bar())?;
             (plan, Some(sums))
         }
     };
-    GramFile::write(output_file, &plan, sums.as_ref()).map_err(Failure::work)?;
+    if let Some(sums) = &sums {
+        GramFile::write(output_file, &plan, sums).map_err(Failure::work)?;
+    }
     let bytes = std::fs::metadata(output_file).map_err(|error| Failure::in_file(output_file, error))?.len();
     let of = |of: fn(&SummedRows) -> u64| sums.as_ref().map(of);
     let report = GramReport {
@@ -116,7 +123,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     crate::output::print_report(&report, *json)
 }
 
-fn planned(files: &[PathBuf], model: &ModelOptions) -> Result<GramPlan, Failure> {
+fn planned(files: &[PathBuf], model: &ModelOptions) -> Result<(GramPlan, PartStarts), Failure> {
     let (selection, gas) = model.selection();
     let survey = RecordStream::open(&files[0], &selection).map_err(Failure::usage)?.survey().clone();
     let options = model.options(&survey, gas)?;

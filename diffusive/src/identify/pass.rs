@@ -12,6 +12,7 @@ use super::quiet_start::QuietStart;
 use super::record::{Block, RecordError, RecordSource, Survey};
 use super::segment::start_rates;
 use super::spread::{ValueSpread, deviation};
+use super::whole_batches::WholeBatches;
 use crate::model::Provenance;
 
 /// Spreads of inputs, in one class and in all, of outputs and of the gas, each counted from the
@@ -197,6 +198,7 @@ pub fn pass(
     let mut facts = Facts::default();
     let mut accumulators = Vec::new();
     let mut output_shift = Vec::new();
+    let mut batches = WholeBatches::default();
     while let Some(block) = source.next_block()? {
         if facts.rows == 0 {
             output_shift = block.outputs.iter().map(|values| mean(values)).collect();
@@ -204,15 +206,14 @@ pub fn pass(
             accumulators = designs.iter().map(of).collect();
         }
         // In this order, rows come from memory while there is much to do with those before.
-        for accumulator in &mut accumulators {
-            accumulator.push(block, gas);
-        }
+        batches.push(block, &mut |rows| accumulators.iter_mut().for_each(|accumulator| accumulator.push(rows, gas)));
         facts.add(block);
         progress(facts.rows);
         if facts.rows >= rows {
             break;
         }
     }
+    batches.finish(&mut |rows| accumulators.iter_mut().for_each(|accumulator| accumulator.push(rows, gas)));
     let (folds, ends) = accumulators.into_iter().map(Accumulator::finish).unzip();
     Ok(Passed { folds, ends, facts, output_shift })
 }

@@ -13,6 +13,7 @@
 
 use dr_core::model::mesh;
 use pulp::{Simd, WithSimd};
+use serde::{Deserialize, Serialize};
 
 use super::design::{BankDrive, RegressionDesign};
 use super::gas_source::GasSource;
@@ -43,6 +44,14 @@ pub struct RegressionRows {
     /// Which panels are all of decays, and which of those have not decayed in the batch.
     decays: Vec<bool>,
     is_live: Vec<bool>,
+}
+
+/// What rows to come depend on: the states of all columns, and by bank what has not arrived yet,
+/// oldest first.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RowStates {
+    x: Vec<f64>,
+    late: Vec<Vec<f64>>,
 }
 
 /// The states of a panel of columns.
@@ -127,27 +136,26 @@ impl RegressionRows {
 
     /// Begins anew, as nothing is known of what was before.
     pub fn restart(&mut self) {
-        self.begin_states();
+        self.lanes.iter_mut().zip(&self.first).for_each(|(states, first)| states.x = *first);
         self.banks.iter_mut().for_each(|bank| bank.late.fill(0.0));
     }
 
-    /// Gives the columns the states with which a segment begins; what drives late still comes.
-    pub fn begin_states(&mut self) {
-        self.lanes.iter_mut().zip(&self.first).for_each(|(states, first)| states.x = *first);
+    /// All that rows to come depend on.
+    pub fn states_and_late(&self) -> RowStates {
+        let late = |bank: &BankSignal| [&bank.late[bank.next..], &bank.late[..bank.next]].concat();
+        RowStates { x: self.lanes.iter().flat_map(|lanes| lanes.x).collect(), late: self.banks.iter().map(late).collect() }
     }
 
-    /// Goes on with these states of the columns that have some.
-    pub fn resume(&mut self, states: &[f64]) {
-        for (column, (&state, remembers)) in states.iter().zip(&self.remembers).enumerate() {
-            if *remembers {
-                self.lanes[column / LANES].x[column % LANES] = state;
-            }
+    /// Goes on where others of the same design were, for gas counted from that of the record's first
+    /// row.
+    pub fn resume(&mut self, states: &RowStates, first_gas_c: Option<f64>) {
+        for (lanes, x) in self.lanes.iter_mut().zip(states.x.as_chunks::<LANES>().0) {
+            lanes.x = *x;
         }
-    }
-
-    /// Counts the gas from a temperature of a row that was before.
-    pub fn count_gas_from(&mut self, gas_c: Option<f64>) {
-        self.banks.iter_mut().for_each(|bank| bank.first_gas_c = gas_c);
+        for (bank, late) in self.banks.iter_mut().zip(&states.late) {
+            (bank.next, bank.first_gas_c) = (0, first_gas_c);
+            bank.late.copy_from_slice(late);
+        }
     }
 
     /// For every panel whether it has another value than 0 in the batch that was written last.

@@ -10,11 +10,14 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::plan::GramPlan;
+use super::plan::{GramPlan, PartStarts};
 use super::summed::SummedRows;
 use recording::Temporary;
 
 const FORMAT: &str = "anemo-gram";
+/// Why sums of neighbours do not fit.
+const CHANGED: &str = "begins with other states than the rows before end with: parts were changed since the plan was made; make plan and sums anew";
+
 /// Raised with every change of what the sums mean.
 const VERSION: u32 = 1;
 
@@ -82,27 +85,48 @@ impl GramFile {
         ciborium::from_reader(&mut self.rest).map_err(broken)
     }
 
-    /// Writes a plan, with or without sums, as a whole or not at all.
+    /// Reads the states with which parts begin, of a plan.
+    ///
+    /// # Errors
+    /// If this is no plan, or the file ends before them.
+    pub fn starts(mut self) -> Result<PartStarts, GramError> {
+        if self.rows.is_some() {
+            return Err(GramError::of(&self.path, "has sums, and a plan belongs here"));
+        }
+        let broken = |error| GramError::of(&self.path, format!("is broken off or damaged ({error}): make it anew"));
+        ciborium::from_reader(&mut self.rest).map_err(broken)
+    }
+
+    /// Writes a plan, as a whole or not at all.
     ///
     /// # Errors
     /// If the file cannot be written.
-    pub fn write(path: &Path, plan: &GramPlan, sums: Option<&SummedRows>) -> Result<(), GramError> {
-        let failed = |error: std::io::Error| GramError::of(path, format!("cannot be written: {error}"));
-        let encoded = |error: ciborium::ser::Error<std::io::Error>| match error {
-            ciborium::ser::Error::Io(error) => failed(error),
-            ciborium::ser::Error::Value(sentence) => GramError::of(path, sentence),
-        };
-        let (temporary, file) = Temporary::create(path).map_err(failed)?;
-        let mut out = BufWriter::new(file);
-        let rows = sums.map(|sums| (sums.first_row, sums.rows));
-        let header = Header { format: FORMAT.to_owned(), version: VERSION, plan: plan.clone(), rows };
-        ciborium::into_writer(&header, &mut out).map_err(encoded)?;
-        if let Some(sums) = sums {
-            ciborium::into_writer(sums, &mut out).map_err(encoded)?;
-        }
-        out.flush().map_err(failed)?;
-        temporary.keep().map_err(failed)
+    pub fn write_plan(path: &Path, plan: &GramPlan, starts: &PartStarts) -> Result<(), GramError> {
+        write(path, plan, None, starts)
     }
+
+    /// Writes sums, as a whole or not at all.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn write(path: &Path, plan: &GramPlan, sums: &SummedRows) -> Result<(), GramError> {
+        write(path, plan, Some((sums.first_row, sums.rows)), sums)
+    }
+}
+
+fn write(path: &Path, plan: &GramPlan, rows: Option<(u64, u64)>, rest: &impl Serialize) -> Result<(), GramError> {
+    let failed = |error: std::io::Error| GramError::of(path, format!("cannot be written: {error}"));
+    let encoded = |error: ciborium::ser::Error<std::io::Error>| match error {
+        ciborium::ser::Error::Io(error) => failed(error),
+        ciborium::ser::Error::Value(sentence) => GramError::of(path, sentence),
+    };
+    let (temporary, file) = Temporary::create(path).map_err(failed)?;
+    let mut out = BufWriter::new(file);
+    let header = Header { format: FORMAT.to_owned(), version: VERSION, plan: plan.clone(), rows };
+    ciborium::into_writer(&header, &mut out).map_err(encoded)?;
+    ciborium::into_writer(rest, &mut out).map_err(encoded)?;
+    out.flush().map_err(failed)?;
+    temporary.keep().map_err(failed)
 }
 
 /// The sums of several files as one: of rows that follow each other, in whatever order the files
@@ -145,7 +169,7 @@ pub fn join_files(paths: &[PathBuf]) -> Result<(GramPlan, SummedRows), GramError
         let sums = GramFile::open(path)?.sums()?;
         joined = Some(match joined {
             None => sums,
-            Some(before) => designs.join(before, sums),
+            Some(before) => designs.join(before, sums).ok_or_else(|| GramError::of(path, CHANGED))?,
         });
     }
     let joined = joined.ok_or_else(|| GramError::of(Path::new("the record"), "has no file of sums: name one at least"))?;

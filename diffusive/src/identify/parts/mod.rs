@@ -4,7 +4,7 @@
 //! | file | holds |
 //! |---|---|
 //! | `plan` | what parts must know of the whole: rows, meshes, dead time, where each part stands |
-//! | `design_sums` | normal equations of rows whose beginning is not known yet |
+//! | `design_sums` | normal equations, to the last digit |
 //! | `lags` | products of inputs and outputs with those a few rows later |
 //! | `summed` | the sums of some rows, and those of neighbours as one |
 //! | `left` | what a model leaves, from these |
@@ -25,8 +25,8 @@ mod summed;
 mod tests;
 
 pub use gram_file::{GramError, GramFile, join_files, refuse_incomplete};
-pub use plan::{GramPlan, PartPlace};
-pub use summed::SummedRows;
+pub use plan::{GramPlan, PartPlace, PartStarts};
+pub use summed::{BatchStart, SummedRows};
 
 use super::options::Progress;
 use super::record::RecordError;

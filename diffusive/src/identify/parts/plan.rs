@@ -4,16 +4,18 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::summed::{SummedDesigns, SummedRows, Summing};
+use super::summed::{BatchStart, SummedDesigns, SummedRows, batch_from};
 use crate::identify::delay::{self, PathDecision};
 use crate::identify::folds::FOLDS;
 use crate::identify::gas_source::GasSource;
 use crate::identify::labels::labels;
 use crate::identify::options::{IdentifyOptions, Losses, Progress};
 use crate::identify::pass::{Facts, pass};
-use crate::identify::record::{Block, RecordError, RecordSource, RecordStream, Selection, Survey};
+use crate::identify::panels::BATCH;
+use crate::identify::record::{Block, InBlocks, RecordError, RecordSource, RecordStream, Selection, Survey};
 use crate::identify::symbol::{asked_of, plan::SymbolPlan};
 use crate::identify::validate_options;
+use crate::identify::whole_batches::WholeBatches;
 use crate::model::Structure;
 
 /// What the user should know.
@@ -48,9 +50,12 @@ pub struct GramPlan {
     pub parts: Vec<PartPlace>,
 }
 
+/// By part, the states with which its first whole batch begins; none for a part without any.
+pub type PartStarts = Vec<Option<BatchStart>>;
+
 impl GramPlan {
     /// Plans the sums of a record whose parts are these files, in their order. Every file is read
-    /// three times, without any sums.
+    /// four times, without any sums.
     ///
     /// # Errors
     /// As [`crate::identify::identify`]; or if the record or the options ask for what sums cannot
@@ -60,7 +65,7 @@ impl GramPlan {
         selection: &Selection,
         options: &IdentifyOptions,
         progress: &mut Progress<'_>,
-    ) -> Result<Self, RecordError> {
+    ) -> Result<(Self, PartStarts), RecordError> {
         let mut whole = RecordStream::open_all(paths, selection)?;
         let own = named(selection, whole.survey());
         let (mut parts, mut first_row) = (Vec::new(), 0);
@@ -73,7 +78,7 @@ impl GramPlan {
         if let Some(sentence) = whole.mended() {
             return Err(whole.survey().refuse(sentence));
         }
-        Self::of(&mut whole, own, parts, options, progress)
+        Self::of(&mut InBlocks::of(&mut whole), own, parts, options, progress)
     }
 
     /// Plans the sums of a record that is cut so.
@@ -83,7 +88,7 @@ impl GramPlan {
         parts: Vec<PartPlace>,
         options: &IdentifyOptions,
         progress: &mut Progress<'_>,
-    ) -> Result<Self, RecordError> {
+    ) -> Result<(Self, PartStarts), RecordError> {
         let mut survey = source.survey().clone();
         let mut options = options.clone();
         refuse(&survey, &options)?;
@@ -105,8 +110,38 @@ impl GramPlan {
         let (facts, output_shift) = (passed.facts, passed.output_shift);
         survey.notes.push(UNTOLD.to_owned());
         let plan = Self { survey, options, classes, path, facts, output_shift, selection, parts };
-        plan.designs()?;
-        Ok(plan)
+        let starts = plan.starts(source, progress)?;
+        Ok((plan, starts))
+    }
+
+    /// The states with which every part begins, from one reading without sums.
+    fn starts(&self, source: &mut dyn RecordSource, progress: &mut Progress<'_>) -> Result<PartStarts, RecordError> {
+        let designs = self.designs()?;
+        let (mut run, mut batches) = (designs.following(), WholeBatches::default());
+        let mut starts = vec![None; self.parts.len()];
+        // A part in which no batch begins needs none.
+        let begins = |part: &PartPlace| Some(batch_from(part.first_row)).filter(|row| *row < part.first_row + part.rows);
+        let begins: Vec<Option<u64>> = self.parts.iter().map(begins).collect();
+        let mut next = 0;
+        source.restart()?;
+        while let Some(block) = source.next_block()? {
+            batches.push(block, &mut |rows| {
+                for from in (0..rows.len()).step_by(BATCH) {
+                    let row = run.row();
+                    while begins.get(next).is_some_and(|begin| begin.is_none_or(|begin| begin <= row)) {
+                        starts[next] = (begins[next] == Some(row)).then(|| run.state());
+                        next += 1;
+                    }
+                    run.push(&rows.rows(from..rows.len().min(from + BATCH)));
+                }
+            });
+            progress("following states", run.row(), self.survey.rows);
+        }
+        while next < begins.len() {
+            starts[next] = (begins[next] == Some(run.row())).then(|| run.state());
+            next += 1;
+        }
+        Ok(starts)
     }
 
     /// What is summed of every part.
@@ -142,18 +177,23 @@ impl GramPlan {
     ///
     /// # Errors
     /// If the file is none of the parts, or cannot be read.
-    pub fn sum_file(&self, path: &Path, progress: &mut Progress<'_>) -> Result<SummedRows, RecordError> {
+    pub fn sum_file(
+        &self,
+        starts: &PartStarts,
+        path: &Path,
+        progress: &mut Progress<'_>,
+    ) -> Result<SummedRows, RecordError> {
         let mut source = RecordStream::open(path, &self.selection)?;
         if let Some(sentence) = source.mended() {
             return Err(source.survey().refuse(sentence));
         }
         let place = self.place_of(source.survey())?;
-        self.sum(&mut source, place.first_row, progress)
+        self.sum(&mut source, starts, place, progress)
     }
 
     /// The place of a part: that of the same rows at the same times, of the same name if there are
     /// several.
-    fn place_of(&self, part: &Survey) -> Result<&PartPlace, RecordError> {
+    fn place_of(&self, part: &Survey) -> Result<usize, RecordError> {
         part.refuse_if(
             part.time_column != self.survey.time_column,
             format_args!(
@@ -165,9 +205,9 @@ impl GramPlan {
             (place.rows, place.first_time_s, place.last_time_s) == (part.rows, part.first_time_s, part.last_time_s)
         };
         let is_named = |place: &&PartPlace| place.path.file_name() == part.path.file_name();
-        let alike: Vec<&PartPlace> = self.parts.iter().filter(is_it).collect();
-        let place = alike.iter().copied().find(is_named).or(alike.first().copied());
-        place.ok_or_else(|| {
+        let alike = || self.parts.iter().enumerate().filter(|(_, place)| is_it(place));
+        let place = alike().find(|(_, place)| is_named(place)).or_else(|| alike().next());
+        place.map(|(at, _)| at).ok_or_else(|| {
             let (rows, from_s, to_s) = (part.rows, part.first_time_s, part.last_time_s);
             part.refuse(format!(
                 "has {rows} rows from {from_s} s to {to_s} s, as none of the {} parts of the plan: make the plan anew, of the parts as they are",
@@ -176,15 +216,17 @@ impl GramPlan {
         })
     }
 
-    /// Sums rows of the record from row `first_row` on.
+    /// Sums the rows of a part.
     pub(super) fn sum(
         &self,
         source: &mut dyn RecordSource,
-        first_row: u64,
+        starts: &PartStarts,
+        part: usize,
         progress: &mut Progress<'_>,
     ) -> Result<SummedRows, RecordError> {
         let designs = self.designs()?;
-        let mut summing = Summing::behind(&designs, designs.empty(first_row));
+        let start = starts.get(part).and_then(Option::as_ref);
+        let mut summing = designs.summing(self.parts[part].first_row, start);
         let (survey, mut done) = (source.survey().clone(), 0);
         source.restart()?;
         while let Some(block) = source.next_block()? {

@@ -2,7 +2,7 @@
 
 use super::left::LeftSums;
 use super::plan::GramPlan;
-use super::summed::{SummedDesigns, SummedRows};
+use super::summed::{SummedBatches, SummedDesigns, SummedRows};
 use super::design_sums;
 use crate::identify::delay::PathDecision;
 use crate::identify::design::RegressionDesign;
@@ -21,17 +21,15 @@ use crate::model::RecordEnd;
 pub struct PartReading<'a> {
     plan: &'a GramPlan,
     summed: SummedDesigns,
-    whole: SummedRows,
-    /// By design, states in the first row that is summed.
-    first: Vec<Vec<f64>>,
+    whole: SummedBatches,
 }
 
 impl<'a> PartReading<'a> {
     /// `whole`: the sums of all rows.
     pub fn of(plan: &'a GramPlan, whole: SummedRows) -> Result<Self, RecordError> {
         let summed = plan.designs()?;
-        let (whole, first) = summed.begun(whole);
-        Ok(Self { plan, summed, whole, first })
+        let whole = summed.whole(whole).ok_or_else(|| plan.survey.refuse("has no sums of its first rows"))?;
+        Ok(Self { plan, summed, whole })
     }
 
     fn place(&self, design: &RegressionDesign) -> Result<usize, RecordError> {
@@ -60,7 +58,8 @@ impl<'a> PartReading<'a> {
         let (unexplained, left) = (in_opened(&unexplained), in_opened(&left));
         let sums = &self.whole.designs[at];
         let gram = sums.total(opened.width());
-        let states = [&self.first[at][..], &sums.states[..]];
+        let last = &self.whole.states[at][..];
+        let states = [sums.first.as_deref().unwrap_or(last), last];
         let of = LeftSums::of(opened, self.summed.sample_period_s, &gram, &self.whole.lags, states);
         let (offset, y) = (opened.decays().end, columns[y]);
         let facts = &self.plan.facts.outputs[output];
@@ -75,13 +74,13 @@ impl<'a> PartReading<'a> {
     fn end(&self, fitted: &[FittedOutput<'_>], places: &[usize]) -> RecordEnd {
         let decays = |(fitted, &at): (&FittedOutput<'_>, &usize)| {
             let columns = design_sums::columns_of(fitted.design, &self.summed.opened[at]);
-            let states: Vec<f64> = columns.iter().map(|&column| self.whole.designs[at].states[column]).collect();
+            let states: Vec<f64> = columns.iter().map(|&column| self.whole.states[at][column]).collect();
             let mut decays = fitted.design.decays_of(&states, &fitted.weights());
             decays.extend(fitted.drift.map(ChosenDrift::end));
             decays
         };
         let survey = &self.plan.survey;
-        let tail = &self.whole.tail;
+        let tail = &self.whole.late;
         RecordEnd {
             next_time_s: survey.last_time_s + survey.sample_period_s,
             decays: fitted.iter().zip(places).map(decays).collect(),
@@ -109,7 +108,7 @@ impl SumReading for PartReading<'_> {
             let at = self.place(design)?;
             let opened = &self.summed.opened[at];
             let columns = design_sums::columns_of(design, opened);
-            Ok(self.whole.designs[at].selected(&columns, opened.width(), FOLDS))
+            Ok(self.whole.designs[at].selected(&columns, FOLDS, &self.whole.states[at]))
         };
         let sums: Result<Vec<_>, RecordError> = designs.iter().map(of).collect();
         let (folds, ends) = sums?.into_iter().unzip();

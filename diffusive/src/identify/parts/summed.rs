@@ -1,7 +1,9 @@
 //! The sums of some rows of a record, and how those of neighbours are joined.
 //!
-//! The first rows of a part are kept as they are, as many as the model is late: what drives them
-//! stands in the part before. Behind them stand sums.
+//! Sums are of whole batches, counted from the record's first row, and begin with the states that
+//! the plan has found there: so rows, batches and their sums are those of the record in one go, to
+//! the last digit. Rows before the first whole batch and behind the last are kept as they are, until
+//! the neighbours' are there.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,19 +13,27 @@ use crate::identify::accumulator::Accumulator;
 use crate::identify::design::{BankDrive, RegressionDesign, RelaxationBank};
 use crate::identify::folds::FOLDS;
 use crate::identify::gas_source::GasSource;
-use crate::identify::panels::{BATCH, LANES, panels};
+use crate::identify::panels::{BATCH, LANES, Panel, panels};
 use crate::identify::record::Block;
-use crate::identify::rows::RegressionRows;
+use crate::identify::rows::{RegressionRows, RowStates};
+use crate::identify::whole_batches::WholeBatches;
+
+/// States at the beginning of a batch, design by design, and what drives late.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BatchStart {
+    designs: Vec<RowStates>,
+    signals: RowStates,
+}
 
 /// What is summed of every part of a record.
 pub struct SummedDesigns {
     /// As they are asked for.
     pub designs: Vec<RegressionDesign>,
-    /// With what parts need besides.
+    /// With what residuals need besides.
     pub opened: Vec<RegressionDesign>,
     /// Every signal as a column.
     signals: RegressionDesign,
-    lead: usize,
+    lead: u64,
     pub sample_period_s: f64,
     /// Of the record.
     pub rows: u64,
@@ -38,12 +48,31 @@ pub struct SummedRows {
     pub first_row: u64,
     /// How many.
     pub rows: u64,
-    /// The first rows, and the last, as many as the model is late.
+    /// Rows before the first batch that begins here; all if none does.
     head: Block,
-    pub(super) tail: Block,
-    /// Of the rows behind the head; none if there are none.
-    pub(super) designs: Vec<DesignSums>,
-    pub(super) lags: LagSums,
+    body: Option<SummedBatches>,
+    /// Rows behind the last whole batch.
+    tail: Block,
+}
+
+/// Sums of whole batches.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SummedBatches {
+    first_row: u64,
+    rows: u64,
+    begin: BatchStart,
+    end: BatchStart,
+    pub designs: Vec<DesignSums>,
+    pub lags: LagSums,
+    /// The last rows, as many as the model is late.
+    pub late: Block,
+    /// States behind the last row, in the order of columns.
+    pub states: Vec<Vec<f64>>,
+}
+
+/// The first row of a batch that begins with a row or behind it.
+pub fn batch_from(row: u64) -> u64 {
+    row.next_multiple_of(BATCH as u64)
 }
 
 impl SummedDesigns {
@@ -56,7 +85,8 @@ impl SummedDesigns {
         first_gas_c: Option<f64>,
     ) -> Self {
         let driven = designs[0].banks.iter().filter(|bank| !matches!(bank.drive, BankDrive::Output(_)));
-        let signal = |bank: &RelaxationBank| RelaxationBank { rates_rad_s: Vec::new(), feed_through: true, ..bank.clone() };
+        let signal =
+            |bank: &RelaxationBank| RelaxationBank { rates_rad_s: Vec::new(), feed_through: true, ..bank.clone() };
         let signals = RegressionDesign {
             banks: driven.map(signal).collect(),
             initial_rad_s: Vec::new(),
@@ -64,7 +94,7 @@ impl SummedDesigns {
         };
         Self {
             opened: designs.iter().map(design_sums::opened).collect(),
-            lead: signals.longest_delay(),
+            lead: signals.longest_delay() as u64,
             signals,
             designs,
             sample_period_s,
@@ -74,171 +104,222 @@ impl SummedDesigns {
         }
     }
 
-    /// Places of the signals in a row of [`Self::signals`]: all but the offset.
-    fn signal_columns(&self) -> impl Iterator<Item = usize> + use<> {
-        let banks = self.signals.banks.len();
-        (0..banks).chain(banks + 1..self.signals.width())
+    /// Sums rows from `first_row` on, of which the first whole batch begins with `start`; the
+    /// record's first needs none.
+    pub fn summing(&self, first_row: u64, start: Option<&BatchStart>) -> PartSumming<'_> {
+        let begin = start.cloned().or_else(|| (first_row == 0).then(|| self.begin_of_record()));
+        let run = begin.as_ref().map(|begin| BatchRun::of(self, batch_from(first_row), begin));
+        let batches = WholeBatches::from_row(batch_from(first_row));
+        PartSumming { first_row, rows: 0, head: Block::default(), run, begin, batches }
     }
 
-    fn signals(&self) -> usize {
-        self.signals.width() - 1
+    /// Where a record begins.
+    fn begin_of_record(&self) -> BatchStart {
+        let rows = |design| RegressionRows::new(design, self.sample_period_s, &self.output_shift);
+        let designs = self.opened.iter().map(|opened| rows(opened).states_and_late()).collect();
+        BatchStart { designs, signals: rows(&self.signals).states_and_late() }
     }
 
-    /// No rows yet.
-    pub fn empty(&self, first_row: u64) -> SummedRows {
-        SummedRows {
+    /// Follows states over a record: `reached` hears of every batch that begins.
+    pub fn following(&self) -> BatchRun<'_> {
+        BatchRun::of(self, 0, &self.begin_of_record()).without_sums()
+    }
+
+    /// Adds the rows that come behind; `None` if they were summed from other states than those end
+    /// with, as rows were changed since the plan was made.
+    pub fn join(&self, before: SummedRows, behind: SummedRows) -> Option<SummedRows> {
+        let mut joined = before;
+        joined.rows += behind.rows;
+        let Some(mut body) = joined.body.take() else {
+            joined.head.append(&behind.head);
+            (joined.body, joined.tail) = (behind.body, behind.tail);
+            return Some(joined);
+        };
+        joined.tail.append(&behind.head);
+        let to = body.first_row + body.rows + joined.tail.len() as u64;
+        if to % BATCH as u64 == 0 && !joined.tail.is_empty() {
+            body = self.goes_on(body, &joined.tail);
+            joined.tail = Block::default();
+        }
+        if let Some(more) = behind.body {
+            if body.end != more.begin || to != more.first_row {
+                return None;
+            }
+            body.append(more, self.lead as usize);
+            joined.tail = behind.tail;
+        }
+        joined.body = Some(body);
+        Some(joined)
+    }
+
+    /// Sums the rows behind some batches.
+    fn goes_on(&self, mut batches: SummedBatches, rows: &Block) -> SummedBatches {
+        let begin = batches.end.clone();
+        let mut run = BatchRun::of(self, batches.first_row + batches.rows, &begin);
+        run.push(rows);
+        batches.append(run.finish(begin), self.lead as usize);
+        batches
+    }
+
+    /// The sums of a whole record, its last rows with them; `None` of none.
+    pub fn whole(&self, whole: SummedRows) -> Option<SummedBatches> {
+        let batches = whole.body?;
+        Some(if whole.tail.is_empty() { batches } else { self.goes_on(batches, &whole.tail) })
+    }
+}
+
+impl SummedBatches {
+    fn append(&mut self, more: Self, lead: usize) {
+        self.rows += more.rows;
+        (self.end, self.states) = (more.end, more.states);
+        self.designs.iter_mut().zip(more.designs).for_each(|(own, more)| own.append(more));
+        self.lags.append(&more.lags);
+        self.late.append(&more.late);
+        self.late = last(&self.late, lead);
+    }
+}
+
+fn last(rows: &Block, count: usize) -> Block {
+    rows.rows(rows.len() - count.min(rows.len())..rows.len())
+}
+
+/// Batches that are being read.
+pub struct BatchRun<'a> {
+    plan: &'a SummedDesigns,
+    first_row: u64,
+    rows: u64,
+    accumulators: Vec<Accumulator>,
+    signals: RegressionRows,
+    batch: Vec<Panel>,
+    lags: LagSums,
+    late: Block,
+    is_summing: bool,
+}
+
+impl<'a> BatchRun<'a> {
+    fn of(plan: &'a SummedDesigns, first_row: u64, begin: &BatchStart) -> Self {
+        let of = |(opened, states): (&RegressionDesign, &RowStates)| {
+            let accumulator =
+                Accumulator::new(opened, &[], plan.sample_period_s, plan.rows, FOLDS, &plan.output_shift);
+            // The first gas of a record's first row is that which it reads.
+            accumulator.of_part(first_row, (first_row > 0).then_some(states), plan.first_gas_c)
+        };
+        let mut signals = RegressionRows::new(&plan.signals, plan.sample_period_s, &plan.output_shift);
+        if first_row > 0 {
+            signals.resume(&begin.signals, plan.first_gas_c);
+        }
+        Self {
+            plan,
             first_row,
             rows: 0,
-            head: Block::default(),
-            tail: Block::default(),
-            designs: Vec::new(),
-            lags: LagSums::empty(self.signals()),
+            accumulators: plan.opened.iter().zip(&begin.designs).map(of).collect(),
+            batch: vec![[[0.0; LANES]; BATCH]; panels(signals.width())],
+            signals,
+            lags: LagSums::empty(plan.signals.width() - 1),
+            late: Block::default(),
+            is_summing: true,
         }
     }
 
-    /// Adds the rows that come behind.
-    pub fn join(&self, before: SummedRows, behind: SummedRows) -> SummedRows {
-        let SummedRows { head, rows, tail, designs, lags, .. } = behind;
-        let is_all_head = rows == head.len() as u64;
-        let mut joined = before;
-        if !head.is_empty() {
-            let mut summing = Summing::behind(self, joined);
-            summing.push(&head);
-            joined = summing.finish();
-        }
-        if is_all_head {
-            return joined;
-        }
-        joined.rows += rows - head.len() as u64;
-        joined.tail = tail;
-        joined.lags.append(&lags);
-        if joined.designs.is_empty() {
-            joined.designs = designs;
-            return joined;
-        }
-        for ((own, more), opened) in joined.designs.iter_mut().zip(designs).zip(&self.opened) {
-            let more = more.begun_with(&own.states, opened);
-            own.append(more);
-        }
-        joined
+    fn without_sums(mut self) -> Self {
+        self.accumulators = self.accumulators.into_iter().map(Accumulator::without_sums).collect();
+        Self { is_summing: false, ..self }
     }
 
-    /// The sums of a whole record, which begins as records do; and by design the states of the
-    /// first row that is summed.
-    pub fn begun(&self, mut whole: SummedRows) -> (SummedRows, Vec<Vec<f64>>) {
-        let states = |opened: &RegressionDesign| {
-            let mut rows = RegressionRows::new(opened, self.sample_period_s, &self.output_shift);
-            rows.count_gas_from(self.first_gas_c);
-            let mut batch = vec![[[0.0; LANES]; BATCH]; panels(rows.width())];
-            for from in (0..whole.head.len()).step_by(BATCH) {
-                let count = BATCH.min(whole.head.len() - from);
-                rows.fill(&whole.head, GasSource::Constant(0.0), from, count, &mut batch);
-            }
-            let mut states = rows.states();
-            states[opened.decays().end] = 1.0;
-            states
-        };
-        let first: Vec<Vec<f64>> = self.opened.iter().map(states).collect();
-        let begin = |((sums, first), opened): ((DesignSums, &Vec<f64>), &RegressionDesign)| sums.begun_with(first, opened);
-        whole.designs = whole.designs.into_iter().zip(&first).zip(&self.opened).map(begin).collect();
-        (whole, first)
-    }
-}
-
-/// Rows that are being summed.
-pub struct Summing<'a> {
-    plan: &'a SummedDesigns,
-    /// Without what is summed now.
-    so_far: SummedRows,
-    /// Of the designs, once the head is whole.
-    accumulators: Vec<Accumulator>,
-    signals: Option<RegressionRows>,
-    batch: Vec<[[f64; LANES]; BATCH]>,
-}
-
-impl<'a> Summing<'a> {
-    /// Goes on behind some rows, or behind none.
-    pub fn behind(plan: &'a SummedDesigns, so_far: SummedRows) -> Self {
-        let batch = vec![[[0.0; LANES]; BATCH]; panels(plan.signals.width())];
-        Self { plan, so_far, accumulators: Vec::new(), signals: None, batch }
+    /// The row that comes next.
+    pub const fn row(&self) -> u64 {
+        self.first_row + self.rows
     }
 
-    /// Takes the next rows.
+    /// The states there.
+    pub fn state(&self) -> BatchStart {
+        let designs = self.accumulators.iter().map(Accumulator::states).collect();
+        BatchStart { designs, signals: self.signals.states_and_late() }
+    }
+
+    /// Takes whole batches, or the record's last rows.
     pub fn push(&mut self, block: &Block) {
-        let own = (self.plan.lead - self.so_far.head.len()).min(block.len());
-        if own > 0 {
-            self.so_far.head.append(&block.rows(0..own));
-            self.keep_tail(block, 0..own);
-            self.so_far.rows += own as u64;
+        self.accumulators.iter_mut().for_each(|accumulator| accumulator.push(block, GasSource::Constant(0.0)));
+        let values = self.signals_of(block);
+        let silent = self.plan.lead.saturating_sub(self.row()).min(block.len() as u64) as usize;
+        if self.is_summing {
+            let told: Vec<Vec<f64>> = values.iter().map(|values| values[silent..].to_vec()).collect();
+            self.lags.push(&told);
+            let lead = self.plan.lead as usize;
+            self.late.append(&last(block, lead));
+            self.late = last(&self.late, lead);
         }
-        if own < block.len() {
-            self.begin();
-            let rest = if own == 0 { block } else { &block.rows(own..block.len()) };
-            self.accumulators.iter_mut().for_each(|accumulator| accumulator.push(rest, GasSource::Constant(0.0)));
-            self.push_signals(rest);
-            self.keep_tail(rest, 0..rest.len());
-            self.so_far.rows += rest.len() as u64;
-        }
+        self.rows += block.len() as u64;
     }
 
-    /// Begins to sum behind the rows so far.
-    fn begin(&mut self) {
-        if self.signals.is_some() {
-            return;
-        }
-        let Self { plan, so_far, .. } = self;
-        let row = so_far.first_row + so_far.rows;
-        let begin = |(at, opened): (usize, &RegressionDesign)| {
-            let states = so_far.designs.get(at).map(|sums| &sums.states[..]);
-            let (period_s, rows) = (plan.sample_period_s, plan.rows);
-            let accumulator = Accumulator::new(opened, &[], period_s, rows, FOLDS, &plan.output_shift);
-            accumulator.begin(row, &so_far.tail, states, plan.first_gas_c)
-        };
-        self.accumulators = plan.opened.iter().enumerate().map(begin).collect();
-        let mut signals = RegressionRows::new(&plan.signals, plan.sample_period_s, &plan.output_shift);
-        signals.count_gas_from(plan.first_gas_c);
-        for from in (0..so_far.tail.len()).step_by(BATCH) {
-            let rows = BATCH.min(so_far.tail.len() - from);
-            signals.fill(&so_far.tail, GasSource::Constant(0.0), from, rows, &mut self.batch);
-        }
-        self.signals = Some(signals);
-    }
-
-    fn push_signals(&mut self, block: &Block) {
-        let Some(signals) = &mut self.signals else { return };
-        let columns: Vec<usize> = self.plan.signal_columns().collect();
-        let mut values = vec![Vec::with_capacity(block.len()); columns.len()];
+    /// The signals of some rows: all columns but the offset.
+    fn signals_of(&mut self, block: &Block) -> Vec<Vec<f64>> {
+        let banks = self.plan.signals.banks.len();
+        let columns = (0..banks).chain(banks + 1..self.signals.width());
+        let mut values = vec![Vec::with_capacity(block.len()); self.signals.width() - 1];
         for from in (0..block.len()).step_by(BATCH) {
             let rows = BATCH.min(block.len() - from);
-            signals.fill(block, GasSource::Constant(0.0), from, rows, &mut self.batch);
-            for (values, column) in values.iter_mut().zip(&columns) {
+            self.signals.fill(block, GasSource::Constant(0.0), from, rows, &mut self.batch);
+            for (values, column) in values.iter_mut().zip(columns.clone()) {
                 let panel = &self.batch[column / LANES];
                 values.extend(panel[..rows].iter().map(|lanes| lanes[column % LANES]));
             }
         }
-        self.so_far.lags.push(&values);
+        values
     }
 
-    fn keep_tail(&mut self, block: &Block, rows: std::ops::Range<usize>) {
-        let (tail, lead) = (&mut self.so_far.tail, self.plan.lead);
-        let rows = rows.end - lead.min(rows.len())..rows.end;
-        let kept = tail.len().min(lead - rows.len());
-        let mut joined = tail.rows(tail.len() - kept..tail.len());
-        joined.append(&block.rows(rows));
-        *tail = joined;
+    fn finish(self, begin: BatchStart) -> SummedBatches {
+        let signals = self.signals.states_and_late();
+        let (mut designs, mut ends, mut states) = (Vec::new(), Vec::new(), Vec::new());
+        for accumulator in self.accumulators {
+            states.push(accumulator.column_states());
+            let part = accumulator.into_part();
+            designs.push(DesignSums::of(&part.folds, part.ends, part.first));
+            ends.push(part.states);
+        }
+        SummedBatches {
+            first_row: self.first_row,
+            rows: self.rows,
+            begin,
+            end: BatchStart { designs: ends, signals },
+            designs,
+            lags: self.lags,
+            late: self.late,
+            states,
+        }
+    }
+}
+
+/// A part that is being summed.
+pub struct PartSumming<'a> {
+    first_row: u64,
+    rows: u64,
+    head: Block,
+    /// If the plan knows where the first batch begins.
+    run: Option<BatchRun<'a>>,
+    begin: Option<BatchStart>,
+    batches: WholeBatches,
+}
+
+impl PartSumming<'_> {
+    /// Takes the next rows.
+    pub fn push(&mut self, block: &Block) {
+        let before = batch_from(self.first_row) - self.first_row;
+        let own = before.saturating_sub(self.rows).min(block.len() as u64) as usize;
+        self.rows += block.len() as u64;
+        if own > 0 {
+            self.head.append(&block.rows(0..own));
+        }
+        if let (Some(run), true) = (&mut self.run, own < block.len()) {
+            let rest = if own == 0 { block } else { &block.rows(own..block.len()) };
+            self.batches.push(rest, &mut |rows| run.push(rows));
+        }
     }
 
     /// The sums of all rows.
-    pub fn finish(mut self) -> SummedRows {
-        if self.so_far.head.len() == self.plan.lead && self.so_far.designs.is_empty() {
-            self.begin();
-        }
-        let more = std::mem::take(&mut self.accumulators).into_iter().map(|own| DesignSums::of(&own.into_part()));
-        if self.so_far.designs.is_empty() {
-            self.so_far.designs = more.collect();
-        } else {
-            self.so_far.designs.iter_mut().zip(more).for_each(|(own, more)| own.append(more));
-        }
-        self.so_far
+    pub fn finish(self) -> SummedRows {
+        let Self { first_row, rows, head, run, begin, batches } = self;
+        let body = run.zip(begin).map(|(run, begin)| run.finish(begin));
+        SummedRows { first_row, rows, head, body, tail: batches.into_waiting() }
     }
 }

@@ -7,7 +7,7 @@ use dr_core::model::mesh;
 use super::plan::{GramPlan, PartPlace};
 use super::summed::SummedRows;
 use super::identify_parts;
-use crate::identify::record::{RecordSource as _, RecordTable, Selection};
+use crate::identify::record::{RecordTable, Selection};
 use crate::identify::{Constraints, DriftGiven, DriftKind, IdentifyOptions, InitialState, Signs, identify};
 use crate::model::Model;
 
@@ -122,17 +122,17 @@ fn in_parts(rig: &Rig, has: Has, options: &IdentifyOptions, cuts: &[usize], rand
     };
     let places = parts.iter().map(place).collect();
     let mut all = rig.table(0..rig.rows(), has);
-    let plan = GramPlan::of(&mut all, Selection::default(), places, options, &mut |_, _, _| {}).unwrap();
-    let sum = |rows: &Range<usize>| {
-        plan.sum(&mut rig.table(rows.clone(), has), rows.start as u64, &mut |_, _, _| {}).unwrap()
+    let (plan, starts) = GramPlan::of(&mut all, Selection::default(), places, options, &mut |_, _, _| {}).unwrap();
+    let sum = |(at, rows): (usize, &Range<usize>)| {
+        plan.sum(&mut rig.table(rows.clone(), has), &starts, at, &mut |_, _, _| {}).unwrap()
     };
-    let mut sums: Vec<SummedRows> = parts.iter().map(sum).collect();
+    let mut sums: Vec<SummedRows> = parts.iter().enumerate().map(sum).collect();
     let designs = plan.designs().unwrap();
     while sums.len() > 1 {
         let at = (random.next() * (sums.len() - 1) as f64) as usize;
         let behind = sums.remove(at + 1);
-        let before = std::mem::replace(&mut sums[at], designs.empty(0));
-        sums[at] = designs.join(before, behind);
+        let before = sums.remove(at);
+        sums.insert(at, designs.join(before, behind).unwrap());
     }
     identify_parts(&plan, sums.remove(0), &mut |_, _, _| {}).unwrap()
 }
@@ -206,48 +206,44 @@ fn sums_of_parts_make_the_model_of_the_whole_with_a_room_that_drifts() {
     compare(&rig, has, &IdentifyOptions::default(), &[1, 7, 64], "two elements, drift");
 }
 
-/// A record in blocks of another size.
-struct Chopped(RecordTable, crate::identify::record::Block, Vec<crate::identify::record::Block>);
-
-impl crate::identify::record::RecordSource for Chopped {
-    fn survey(&self) -> &crate::identify::record::Survey {
-        self.0.survey()
-    }
-    fn next_block(
-        &mut self,
-    ) -> Result<Option<&crate::identify::record::Block>, crate::identify::record::RecordError> {
-        if self.2.is_empty() {
-            let Some(block) = self.0.next_block()? else { return Ok(None) };
-            let size = 997;
-            self.2 = (0..block.len()).step_by(size).map(|from| block.rows(from..block.len().min(from + size))).collect();
-            self.2.reverse();
-        }
-        self.1 = self.2.pop().unwrap();
-        Ok(Some(&self.1))
-    }
-    fn restart(&mut self) -> Result<(), crate::identify::record::RecordError> {
-        self.2.clear();
-        self.0.restart()
-    }
-    fn classes(&self) -> &[String] {
-        self.0.classes()
-    }
+#[test]
+fn sums_of_parts_of_a_late_answer_make_the_model_of_the_whole() {
+    let options = IdentifyOptions { signs: Signs::AllPositive, ..IdentifyOptions::default() };
+    compare(&rig(6000, 0.002, 9), Has::default(), &options, &[1, 64, 700], "late answer");
 }
 
 #[test]
-fn floor() {
-    for walk in [0.0, 0.002, 0.02] {
-        let (rig, has) = (rig(6000, walk, 0), Has { second: true, ..Has::default() });
-        let options = IdentifyOptions::default();
-        let one = whole(&rig, has, &options);
-        let mut chopped = Chopped(rig.table(0..rig.rows(), has), Default::default(), Vec::new());
-        let other = identify(&mut chopped, &options, &mut |_, _, _| {}, &mut |_| {}).unwrap();
-        println!("floor {walk} R {:.1e} se {:.1e} {:?}", apart(values(&other), values(&one)), apart(errors(&other), errors(&one)), one.chosen.reasons);
-        let mut random = Random(3);
-        for count in [1, 7, 64] {
-            let cuts = cuts(rig.rows(), count, &mut random);
-            let parts = in_parts(&rig, has, &options, &cuts, &mut random);
-            println!("parts {count} R {:.1e} se {:.1e}", apart(values(&parts), values(&one)), apart(errors(&parts), errors(&one)));
-        }
-    }
+fn sums_of_parts_make_the_model_of_the_whole_with_surroundings_and_with_events() {
+    let rig = rig(6000, 0.0, 2);
+    let ambient = IdentifyOptions { follow_ambient: true, ..IdentifyOptions::default() };
+    compare(&rig, Has { gas: true, ..Has::default() }, &ambient, &[1, 40], "surroundings");
+    let constraints = Constraints { initial_state: Some(InitialState::Rest), ..Constraints::default() };
+    let drift = DriftGiven::Kind(DriftKind::Correlated);
+    let events = IdentifyOptions { constraints, drift, ..IdentifyOptions::default() };
+    compare(&rig, Has { events: true, second: true, ..Has::default() }, &events, &[40], "events");
+}
+
+/// Rows of a part that was changed since the plan was made.
+#[test]
+fn a_part_that_was_changed_is_not_joined() {
+    let (mut rig, has) = (rig(2000, 0.0, 0), Has::default());
+    let place = |rows: Range<usize>| PartPlace {
+        path: "part".into(),
+        first_row: rows.start as u64,
+        rows: rows.len() as u64,
+        first_time_s: rows.start as f64 * PERIOD_S,
+        last_time_s: (rows.end - 1) as f64 * PERIOD_S,
+    };
+    let (parts, options) = (vec![place(0..700), place(700..2000)], IdentifyOptions::default());
+    let mut all = rig.table(0..2000, has);
+    let (plan, starts) = GramPlan::of(&mut all, Selection::default(), parts, &options, &mut |_, _, _| {}).unwrap();
+    let sum = |rig: &Rig, at: usize, rows: Range<usize>| {
+        plan.sum(&mut rig.table(rows, has), &starts, at, &mut |_, _, _| {}).unwrap()
+    };
+    let (first, second) = (sum(&rig, 0, 0..700), sum(&rig, 1, 700..2000));
+    rig.power_w[0][300] += 1e-9;
+    let changed = sum(&rig, 0, 0..700);
+    let designs = plan.designs().unwrap();
+    assert!(designs.join(first, second.clone()).is_some());
+    assert!(designs.join(changed, second).is_none());
 }

@@ -125,15 +125,18 @@ impl Block {
         self.class.is_empty()
     }
 
-    /// Some of its rows, all of which have their outputs.
+    /// Some of its rows; they begin a segment if they are the first of one.
     pub(in crate::identify) fn rows(&self, rows: Range<usize>) -> Self {
         let cut = |columns: &[Vec<f64>]| columns.iter().map(|values| values[rows.clone()].to_vec()).collect();
+        let missing = self.missing.iter().map(|row| *row as usize).filter(|row| rows.contains(row));
         Self {
             inputs: cut(&self.inputs),
             outputs: cut(&self.outputs),
             class: self.class[rows.clone()].to_vec(),
             gas: self.gas.get(rows.clone()).map_or(Vec::new(), <[f64]>::to_vec),
-            ..Self::default()
+            time_s: self.time_s,
+            begins_segment: self.begins_segment && rows.start == 0,
+            missing: missing.map(|row| (row - rows.start) as u32).collect(),
         }
     }
 
