@@ -87,16 +87,17 @@ impl Residuals {
         self.last[self.newest] = residual;
     }
 
-    /// Those of so many rows, of which single ones are not known: Σ of squares of residuals, and of
-    /// those with the drift; Σ of products by lag; Σ of the output from `first_y`, and of squares.
+    /// Those of so many rows: Σ of squares of residuals, and of those with the drift; Σ of products
+    /// by lag; the greatest square that is known of; Σ of the output from `first_y`, and of squares.
     pub fn of_sums(
         count: u64,
         [squares, unexplained]: [f64; 2],
         products: Vec<f64>,
+        greatest: (f64, u64),
         first_y: f64,
         [y_sum, y_squares]: [f64; 2],
     ) -> Self {
-        Self { count, squares, unexplained, products, first_y, y_sum, y_squares, ..Self::default() }
+        Self { count, squares, unexplained, products, greatest, first_y, y_sum, y_squares, ..Self::default() }
     }
 
     pub fn rms(&self) -> f64 {

@@ -11,9 +11,9 @@
 //! x_{n−1} = (x_n − g u_{n−1})/a; a fast one from what drove it, as x_n = Σ_m g a^(m−1) u_{n−m},
 //! of which nothing is left behind 200 rows.
 //!
-//! Limit: of no single row is anything known.
+//! Limit: of single rows only the first are known, 240 of them.
 
-use super::lags::{FORGOTTEN, LagSums};
+use super::lags::{FORGOTTEN, LagSums, MOST};
 use crate::identify::design::{BankDrive, RegressionDesign, Role};
 use crate::identify::gram::Gram;
 use crate::identify::residuals::LAGS;
@@ -104,6 +104,22 @@ impl<'a> LeftSums<'a> {
             with_later.iter().zip(weights).map(|(with, weight)| with * weight).sum()
         };
         (1..=LAGS).map(of_lag).collect()
+    }
+
+    /// The greatest square of the first rows, and which, counted from 1.
+    pub fn greatest_of_first(&self, weights: &[f64]) -> (f64, u64) {
+        let kept = MOST.min(self.lags.rows() as usize);
+        let mut residuals = vec![0.0; kept];
+        for ((column, &first), &weight) in self.columns.iter().zip(self.first).zip(weights) {
+            let mut state = first;
+            for (row, residual) in residuals.iter_mut().enumerate() {
+                let drive = column.signal.map_or(0.0, |signal| self.lags.first(signal, row));
+                *residual += weight * if column.is_state { state } else { drive };
+                state = column.keep * state + column.gain * drive;
+            }
+        }
+        let squares = residuals.iter().map(|residual| residual * residual).zip(1..);
+        squares.fold((0.0, 0), |greatest, own| if own.0 > greatest.0 { own } else { greatest })
     }
 
     /// Σ_n e_n c_n for every column c.

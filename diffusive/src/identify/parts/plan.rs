@@ -19,7 +19,7 @@ use crate::identify::whole_batches::WholeBatches;
 use crate::model::Structure;
 
 /// What the user should know.
-const UNTOLD: &str = "from sums of parts: losses that grow with temperature, and single rows that stand out, are not looked for";
+const UNTOLD: &str = "from sums of parts: losses that grow with temperature, and single rows that stand out behind the first 240, are not looked for";
 
 /// A part of a record, and its place in it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -43,6 +43,8 @@ pub struct GramPlan {
     pub(super) options: IdentifyOptions,
     pub(super) classes: Vec<String>,
     pub(super) path: PathDecision,
+    /// With any initial state.
+    pub(super) open_path: PathDecision,
     pub(super) facts: Facts,
     pub(super) output_shift: Vec<f64>,
     selection: Selection,
@@ -97,6 +99,18 @@ impl GramPlan {
         options.losses = Losses::None;
         let classes = labels(source, progress)?;
         let path = delay::decide(source, &options.constraints)?;
+        // Where the record contradicts a state that is asked for, any other is tried.
+        let is_asked = options.asks_for_an_initial_state();
+        let open = options.with_any_initial_state().constraints;
+        let open_path = if is_asked { delay::decide(source, &open)? } else { path.clone() };
+        let is_same = (path.delay, path.feed_through) == (open_path.delay, open_path.feed_through);
+        survey.refuse_if(
+            !is_same,
+            format_args!(
+                "has a dead time of {} samples with the initial state that is asked for, and of {} with any: say which with --dead-time and --feed-through, or leave out --initial-state",
+                path.delay, open_path.delay
+            ),
+        )?;
         survey.refuse_if(
             path.delay as u64 >= survey.rows / FOLDS as u64,
             format_args!("has a dead time of {} samples, more than a tenth of its rows: identify it as a whole", path.delay),
@@ -109,7 +123,7 @@ impl GramPlan {
         )?;
         let (facts, output_shift) = (passed.facts, passed.output_shift);
         survey.notes.push(UNTOLD.to_owned());
-        let plan = Self { survey, options, classes, path, facts, output_shift, selection, parts };
+        let plan = Self { survey, options, classes, path, open_path, facts, output_shift, selection, parts };
         let starts = plan.starts(source, progress)?;
         Ok((plan, starts))
     }

@@ -68,7 +68,9 @@ impl<'a> PartReading<'a> {
         let (sum, squares) = (gram.sums[(offset, y)], gram.sums[(y, y)]);
         let moved = [sum + n * apart, squares + 2.0 * apart * sum + n * apart * apart];
         let moved = if facts.least == facts.greatest { [0.0; 2] } else { moved };
-        Residuals::of_sums(gram.rows, [of.squares(&left), of.squares(&unexplained)], of.products(&left), facts.from, moved)
+        let squares = [of.squares(&left), of.squares(&unexplained)];
+        let greatest = of.greatest_of_first(&left);
+        Residuals::of_sums(gram.rows, squares, of.products(&left), greatest, facts.from, moved)
     }
 
     fn end(&self, fitted: &[FittedOutput<'_>], places: &[usize]) -> RecordEnd {
@@ -99,8 +101,9 @@ impl SumReading for PartReading<'_> {
         Ok(self.plan.classes.clone())
     }
 
-    fn path(&mut self, _: &Constraints) -> Result<PathDecision, RecordError> {
-        Ok(self.plan.path.clone())
+    fn path(&mut self, given: &Constraints) -> Result<PathDecision, RecordError> {
+        let is_open = *given != self.plan.options.constraints;
+        Ok(if is_open { self.plan.open_path.clone() } else { self.plan.path.clone() })
     }
 
     fn sums(&mut self, designs: &[RegressionDesign], _: &mut dyn FnMut(u64)) -> Result<Passed, RecordError> {
