@@ -71,7 +71,10 @@ impl Display for GramReport<'_> {
                 let to = first + rows;
                 writeln!(f, "sums of rows {} to {to} of {record_rows} written to {written}, {bytes} bytes", first + 1)
             }
-            _ => writeln!(f, "plan of {record_rows} rows of {record} in {parts} parts written to {written}, {bytes} bytes"),
+            _ => writeln!(
+                f,
+                "plan of {record_rows} rows of {record} in {parts} parts written to {written}, {bytes} bytes"
+            ),
         }
     }
 }
@@ -89,7 +92,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         model.refuse_any("anemo gram")?;
     }
     let (plan, sums) = match plan {
-        Some(_) if is_join => return Err(Failure::usage("--plan is for a part of a record: leave it out to join sums")),
+        Some(_) if is_join => {
+            return Err(Failure::usage("--plan is for a part of a record: leave it out to join sums"));
+        }
         None if is_join => join_files(files).map(|(plan, sums)| (plan, Some(sums)))?,
         None => {
             let (plan, starts) = planned(files, model)?;

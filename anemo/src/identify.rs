@@ -10,8 +10,8 @@ use crate::identify_page;
 use crate::output::Failure;
 use crate::picture::PictureArguments;
 use diffusive::identify::Signs;
-use diffusive::identify::record::{RecordError, RecordSource as _, RecordStream, Selection, Survey, TimeUnit};
 use diffusive::identify::parts::{identify_parts, join_files, refuse_incomplete};
+use diffusive::identify::record::{RecordError, RecordSource as _, RecordStream, Selection, Survey, TimeUnit};
 use diffusive::identify::report::IdentifyReport;
 use diffusive::identify::{Constraints, DriftGiven, DriftKind, InitialState, Losses};
 use diffusive::identify::{GasGiven, IdentifyOptions, identify};
@@ -423,7 +423,9 @@ fn identify_sums(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::in_file(record, "is no .gram file, as others are: name sums or records, not both"));
     }
     if arguments.picture.path().is_some() || arguments.report.is_some() {
-        return Err(Failure::usage("pictures and reports show rows, which sums do not have: leave out --plot and --report"));
+        return Err(Failure::usage(
+            "pictures and reports show rows, which sums do not have: leave out --plot and --report",
+        ));
     }
     arguments.model.refuse_any("anemo identify")?;
     let (plan, sums) = join_files(&arguments.records)?;

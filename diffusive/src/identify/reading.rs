@@ -29,11 +29,8 @@ pub trait SumReading {
     fn sums(&mut self, designs: &[RegressionDesign], tell: &mut dyn FnMut(u64)) -> Result<Passed, RecordError>;
 
     /// What models leave; `seen` hears of every row, where there are rows.
-    fn left_by(
-        &mut self,
-        fitted: &[FittedOutput<'_>],
-        seen: &mut FitObserver<'_>,
-    ) -> Result<ResidualPass, RecordError>;
+    fn left_by(&mut self, fitted: &[FittedOutput<'_>], seen: &mut FitObserver<'_>)
+    -> Result<ResidualPass, RecordError>;
 }
 
 /// A record of which all rows are at hand.

@@ -143,7 +143,10 @@ impl RegressionRows {
     /// All that rows to come depend on.
     pub fn states_and_late(&self) -> RowStates {
         let late = |bank: &BankSignal| [&bank.late[bank.next..], &bank.late[..bank.next]].concat();
-        RowStates { x: self.lanes.iter().flat_map(|lanes| lanes.x).collect(), late: self.banks.iter().map(late).collect() }
+        RowStates {
+            x: self.lanes.iter().flat_map(|lanes| lanes.x).collect(),
+            late: self.banks.iter().map(late).collect(),
+        }
     }
 
     /// Goes on where others of the same design were, for gas counted from that of the record's first

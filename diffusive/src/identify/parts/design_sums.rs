@@ -34,7 +34,7 @@ pub struct FoldSums {
     fold: usize,
     rows: u64,
     sums: Vec<f64>,
-    /// What rounding took from each.
+    /// What rounding took from each; none once all rows are summed.
     rests: Vec<f64>,
 }
 
@@ -56,12 +56,18 @@ impl FoldSums {
         }
     }
 
+    /// The nearest numbers.
+    fn round(&mut self) {
+        self.sums.iter_mut().zip(std::mem::take(&mut self.rests)).for_each(|(sum, rest)| *sum += rest);
+    }
+
+    /// As numbers, once rounded.
     fn gram(&self, width: usize) -> Gram {
         let mut gram = Gram { rows: self.rows, ..Gram::empty(width) };
         let places = (0..width).flat_map(|j| (j..width).map(move |i| (i, j)));
-        for ((i, j), (sum, rest)) in places.zip(self.sums.iter().zip(&self.rests)) {
-            gram.sums[(i, j)] = sum + rest;
-            gram.sums[(j, i)] = sum + rest;
+        for ((i, j), &sum) in places.zip(&self.sums) {
+            gram.sums[(i, j)] = sum;
+            gram.sums[(j, i)] = sum;
         }
         gram
     }
@@ -91,6 +97,11 @@ impl DesignSums {
         }
         self.ends.extend(more.ends);
         self.first = self.first.take().or(more.first);
+    }
+
+    /// Ends the summing: all rows are here.
+    pub fn round(&mut self) {
+        self.folds.iter_mut().for_each(FoldSums::round);
     }
 
     /// Sums of all folds.

@@ -67,7 +67,9 @@ impl GramFile {
         let not_it = |_| GramError::of(path, "is no file of sums: `anemo gram` writes them");
         let Header { format, version, plan, rows } = ciborium::from_reader(&mut rest).map_err(not_it)?;
         if (format.as_str(), version) != (FORMAT, VERSION) {
-            let sentence = format!("is {format} of version {version}, and {FORMAT} of version {VERSION} belongs here: make it anew");
+            let sentence = format!(
+                "is {format} of version {version}, and {FORMAT} of version {VERSION} belongs here: make it anew"
+            );
             return Err(GramError::of(path, sentence));
         }
         Ok(Self { path: path.to_owned(), plan, rows, rest })
@@ -156,7 +158,12 @@ pub fn join_files(paths: &[PathBuf]) -> Result<(GramPlan, SummedRows), GramError
             return Err(GramError::of(other, sentence));
         }
         if *next > end {
-            let sentence = format!("begins with row {}, and {} ends with row {end}: {}", next + 1, path.display(), missing(plan, end..*next));
+            let sentence = format!(
+                "begins with row {}, and {} ends with row {end}: {}",
+                next + 1,
+                path.display(),
+                missing(plan, end..*next)
+            );
             return Err(GramError::of(other, sentence));
         }
     }
@@ -172,7 +179,8 @@ pub fn join_files(paths: &[PathBuf]) -> Result<(GramPlan, SummedRows), GramError
             Some(before) => designs.join(before, sums).ok_or_else(|| GramError::of(path, CHANGED))?,
         });
     }
-    let joined = joined.ok_or_else(|| GramError::of(Path::new("the record"), "has no file of sums: name one at least"))?;
+    let joined =
+        joined.ok_or_else(|| GramError::of(Path::new("the record"), "has no file of sums: name one at least"))?;
     Ok((plan, joined))
 }
 

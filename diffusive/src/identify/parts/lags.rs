@@ -121,7 +121,8 @@ impl WithSimd for Lagging<'_> {
         for (at, now) in fours.iter().enumerate() {
             let past = &past[4 * at..4 * at + MOST + 4];
             for (lag, sum) in sums.iter_mut().enumerate() {
-                *sum += (now[0] * past[lag] + now[1] * past[lag + 1]) + (now[2] * past[lag + 2] + now[3] * past[lag + 3]);
+                *sum +=
+                    (now[0] * past[lag] + now[1] * past[lag + 1]) + (now[2] * past[lag + 2] + now[3] * past[lag + 3]);
             }
         }
         for (at, now) in rest.iter().enumerate() {

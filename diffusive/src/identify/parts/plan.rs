@@ -10,8 +10,8 @@ use crate::identify::folds::FOLDS;
 use crate::identify::gas_source::GasSource;
 use crate::identify::labels::labels;
 use crate::identify::options::{IdentifyOptions, Losses, Progress};
-use crate::identify::pass::{Facts, pass};
 use crate::identify::panels::BATCH;
+use crate::identify::pass::{Facts, pass};
 use crate::identify::record::{Block, InBlocks, RecordError, RecordSource, RecordStream, Selection, Survey};
 use crate::identify::symbol::{asked_of, plan::SymbolPlan};
 use crate::identify::validate_options;
@@ -113,7 +113,10 @@ impl GramPlan {
         )?;
         survey.refuse_if(
             path.delay as u64 >= survey.rows / FOLDS as u64,
-            format_args!("has a dead time of {} samples, more than a tenth of its rows: identify it as a whole", path.delay),
+            format_args!(
+                "has a dead time of {} samples, more than a tenth of its rows: identify it as a whole",
+                path.delay
+            ),
         )?;
         let mut tell = |done| progress("planning", done, survey.rows);
         let passed = pass(source, &[], FOLDS, GasSource::Constant(0.0), u64::MAX, &mut tell)?;
@@ -134,7 +137,8 @@ impl GramPlan {
         let (mut run, mut batches) = (designs.following(), WholeBatches::default());
         let mut starts = vec![None; self.parts.len()];
         // A part in which no batch begins needs none.
-        let begins = |part: &PartPlace| Some(batch_from(part.first_row)).filter(|row| *row < part.first_row + part.rows);
+        let begins =
+            |part: &PartPlace| Some(batch_from(part.first_row)).filter(|row| *row < part.first_row + part.rows);
         let begins: Vec<Option<u64>> = self.parts.iter().map(begins).collect();
         let mut next = 0;
         source.restart()?;
@@ -273,7 +277,10 @@ fn refuse(survey: &Survey, options: &IdentifyOptions) -> Result<(), RecordError>
         (options.losses == Losses::Growing, "losses that grow with temperature are estimated"),
     ];
     for (_, what) in asked.iter().filter(|(is_asked, _)| *is_asked) {
-        survey.refuse_if(true, format_args!("{what} on rows, and no sums of parts tell them: identify the record as a whole"))?;
+        survey.refuse_if(
+            true,
+            format_args!("{what} on rows, and no sums of parts tell them: identify the record as a whole"),
+        )?;
     }
     survey.refuse_if(
         survey.segments > 1,
@@ -286,7 +293,8 @@ fn refuse(survey: &Survey, options: &IdentifyOptions) -> Result<(), RecordError>
 
 /// Refuses rows that do not follow each other.
 fn refuse_block(survey: &Survey, block: &Block, row: u64) -> Result<(), RecordError> {
-    survey.refuse_if(block.begins_segment, format_args!("has a gap before row {}: a part is of one segment", row + 1))?;
+    survey
+        .refuse_if(block.begins_segment, format_args!("has a gap before row {}: a part is of one segment", row + 1))?;
     let missing = block.missing.first().map(|&at| row + u64::from(at) + 1);
     survey.refuse_if(
         missing.is_some(),

@@ -1,9 +1,9 @@
 //! The sums of all parts, as identification asks for those of a record.
 
+use super::design_sums;
 use super::left::LeftSums;
 use super::plan::GramPlan;
 use super::summed::{SummedBatches, SummedDesigns, SummedRows};
-use super::design_sums;
 use crate::identify::delay::PathDecision;
 use crate::identify::design::RegressionDesign;
 use crate::identify::drift::{ChosenDrift, PoleColumns};
@@ -34,7 +34,9 @@ impl<'a> PartReading<'a> {
 
     fn place(&self, design: &RegressionDesign) -> Result<usize, RecordError> {
         let place = self.summed.designs.iter().position(|own| own == design);
-        place.ok_or_else(|| self.plan.survey.refuse("was summed for other models than are tried: make plan and parts anew"))
+        place.ok_or_else(|| {
+            self.plan.survey.refuse("was summed for other models than are tried: make plan and parts anew")
+        })
     }
 
     fn residuals(&self, output: usize, fitted: &FittedOutput<'_>, at: usize) -> Residuals {

@@ -161,10 +161,12 @@ impl SummedDesigns {
         batches
     }
 
-    /// The sums of a whole record, its last rows with them; `None` of none.
+    /// The sums of a whole record, its last rows with them, rounded; `None` of none.
     pub fn whole(&self, whole: SummedRows) -> Option<SummedBatches> {
         let batches = whole.body?;
-        Some(if whole.tail.is_empty() { batches } else { self.goes_on(batches, &whole.tail) })
+        let mut batches = if whole.tail.is_empty() { batches } else { self.goes_on(batches, &whole.tail) };
+        batches.designs.iter_mut().for_each(DesignSums::round);
+        Some(batches)
     }
 }
 
@@ -199,8 +201,7 @@ pub struct BatchRun<'a> {
 impl<'a> BatchRun<'a> {
     fn of(plan: &'a SummedDesigns, first_row: u64, begin: &BatchStart) -> Self {
         let of = |(opened, states): (&RegressionDesign, &RowStates)| {
-            let accumulator =
-                Accumulator::new(opened, &[], plan.sample_period_s, plan.rows, FOLDS, &plan.output_shift);
+            let accumulator = Accumulator::new(opened, &[], plan.sample_period_s, plan.rows, FOLDS, &plan.output_shift);
             // The first gas of a record's first row is that which it reads.
             accumulator.of_part(first_row, (first_row > 0).then_some(states), plan.first_gas_c)
         };

@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use dr_core::model::mesh;
 
+use super::identify_parts;
 use super::plan::{GramPlan, PartPlace};
 use super::summed::SummedRows;
-use super::identify_parts;
-use crate::identify::record::{RecordTable, Selection};
+use crate::identify::record::{RecordTable, Selection, read_all};
 use crate::identify::{Constraints, DriftGiven, DriftKind, IdentifyOptions, InitialState, Signs, identify};
 use crate::model::Model;
 
@@ -99,7 +99,8 @@ impl Rig {
 
 /// Places of so many cuts, at random; no part has fewer than two rows, as a table must have.
 fn cuts(rows: usize, count: usize, random: &mut Random) -> Vec<usize> {
-    let mut cuts: Vec<usize> = (0..count).map(|_| 2 * (1 + (random.next() * (rows as f64 / 2.0 - 2.0)) as usize)).collect();
+    let mut cuts: Vec<usize> =
+        (0..count).map(|_| 2 * (1 + (random.next() * (rows as f64 / 2.0 - 2.0)) as usize)).collect();
     cuts.extend([0, rows]);
     cuts.sort_unstable();
     cuts.dedup();
@@ -110,21 +111,19 @@ fn whole(rig: &Rig, has: Has, options: &IdentifyOptions) -> Model {
     identify(&mut rig.table(0..rig.rows(), has), options, &mut |_, _, _| {}, &mut |_| {}).unwrap()
 }
 
-/// The model of parts that are joined as a tree, in whatever order.
-fn in_parts(rig: &Rig, has: Has, options: &IdentifyOptions, cuts: &[usize], random: &mut Random) -> Model {
+/// The model of parts that are joined as a tree, in whatever order. `table`: of some of the rows.
+fn parted(
+    table: &dyn Fn(Range<usize>) -> RecordTable,
+    options: &IdentifyOptions,
+    cuts: &[usize],
+    random: &mut Random,
+) -> Model {
     let parts: Vec<Range<usize>> = cuts.windows(2).map(|pair| pair[0]..pair[1]).collect();
-    let place = |rows: &Range<usize>| PartPlace {
-        path: format!("part-{}", rows.start).into(),
-        first_row: rows.start as u64,
-        rows: rows.len() as u64,
-        first_time_s: rows.start as f64 * PERIOD_S,
-        last_time_s: (rows.end - 1) as f64 * PERIOD_S,
-    };
     let places = parts.iter().map(place).collect();
-    let mut all = rig.table(0..rig.rows(), has);
+    let mut all = table(0..cuts[cuts.len() - 1]);
     let (plan, starts) = GramPlan::of(&mut all, Selection::default(), places, options, &mut |_, _, _| {}).unwrap();
     let sum = |(at, rows): (usize, &Range<usize>)| {
-        plan.sum(&mut rig.table(rows.clone(), has), &starts, at, &mut |_, _, _| {}).unwrap()
+        plan.sum(&mut table(rows.clone()), &starts, at, &mut |_, _, _| {}).unwrap()
     };
     let mut sums: Vec<SummedRows> = parts.iter().enumerate().map(sum).collect();
     let designs = plan.designs().unwrap();
@@ -135,6 +134,16 @@ fn in_parts(rig: &Rig, has: Has, options: &IdentifyOptions, cuts: &[usize], rand
         sums.insert(at, designs.join(before, behind).unwrap());
     }
     identify_parts(&plan, sums.remove(0), &mut |_, _, _| {}).unwrap()
+}
+
+fn place(rows: &Range<usize>) -> PartPlace {
+    PartPlace {
+        path: format!("part-{}", rows.start).into(),
+        first_row: rows.start as u64,
+        rows: rows.len() as u64,
+        first_time_s: rows.start as f64 * PERIOD_S,
+        last_time_s: (rows.end - 1) as f64 * PERIOD_S,
+    }
 }
 
 /// Greatest distance of two lists, in units of the greatest value.
@@ -167,7 +176,9 @@ fn assert_same(parts: &Model, whole: &Model, what: &str) {
     // The bar of the whole thing.
     assert!(r < 1e-9 && se < 1e-9, "{what}: R {r:.1e}, se {se:.1e}");
     for (one, other) in parts.outputs.iter().zip(&whole.outputs) {
-        let near = |one: f64, other: f64, part: f64| assert!((one - other).abs() <= part * other.abs().max(1e-9), "{what}: {one} for {other}");
+        let near = |one: f64, other: f64, part: f64| {
+            assert!((one - other).abs() <= part * other.abs().max(1e-9), "{what}: {one} for {other}")
+        };
         near(one.offset_c, other.offset_c, 1e-9);
         near(one.residual_rms, other.residual_rms, 1e-7);
         near(one.fit_percent, other.fit_percent, 1e-7);
@@ -190,7 +201,7 @@ fn compare(rig: &Rig, has: Has, options: &IdentifyOptions, counts: &[usize], wha
     let mut random = Random(3);
     for &count in counts {
         let cuts = cuts(rig.rows(), count, &mut random);
-        let parts = in_parts(rig, has, options, &cuts, &mut random);
+        let parts = parted(&|rows| rig.table(rows, has), options, &cuts, &mut random);
         assert_same(&parts, &whole, &format!("{what}, {count} cuts"));
     }
 }
@@ -229,14 +240,7 @@ fn sums_of_parts_make_the_model_of_the_whole_with_surroundings_and_with_events()
 #[test]
 fn a_part_that_was_changed_is_not_joined() {
     let (mut rig, has) = (rig(2000, 0.0, 0), Has::default());
-    let place = |rows: Range<usize>| PartPlace {
-        path: "part".into(),
-        first_row: rows.start as u64,
-        rows: rows.len() as u64,
-        first_time_s: rows.start as f64 * PERIOD_S,
-        last_time_s: (rows.end - 1) as f64 * PERIOD_S,
-    };
-    let (parts, options) = (vec![place(0..700), place(700..2000)], IdentifyOptions::default());
+    let (parts, options) = (vec![place(&(0..700)), place(&(700..2000))], IdentifyOptions::default());
     let mut all = rig.table(0..2000, has);
     let (plan, starts) = GramPlan::of(&mut all, Selection::default(), parts, &options, &mut |_, _, _| {}).unwrap();
     let sum = |rig: &Rig, at: usize, rows: Range<usize>| {
@@ -248,4 +252,28 @@ fn a_part_that_was_changed_is_not_joined() {
     let designs = plan.designs().unwrap();
     assert!(designs.join(first, second.clone()).is_some());
     assert!(designs.join(changed, second).is_none());
+}
+
+/// Records of rigs that nobody tuned this on: their values on uniform times.
+#[test]
+fn sums_of_parts_of_measured_records_make_the_models_of_the_whole() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/more");
+    let Ok(entries) = std::fs::read_dir(&folder) else {
+        println!("skipped: {} is absent", folder.display());
+        return;
+    };
+    let mut random = Random(8);
+    for path in entries.map(|entry| entry.unwrap().path()) {
+        let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+        let (survey, rows, _) = read_all(&path, &Selection::default()).unwrap();
+        if survey.segments > 1 || !rows.missing.is_empty() {
+            continue;
+        }
+        let (count, block) = (rows.len(), &rows);
+        let of = |rows: Range<usize>| RecordTable::part(&survey, block, rows);
+        let options = IdentifyOptions::default();
+        let whole = identify(&mut of(0..count), &options, &mut |_, _, _| {}, &mut |_| {}).unwrap();
+        let cuts = cuts(count, 7, &mut random);
+        assert_same(&parted(&of, &options, &cuts, &mut random), &whole, &name);
+    }
 }
