@@ -134,8 +134,8 @@ impl Accumulator {
         states
     }
 
-    /// Takes the next rows: up to a multiple of [`BATCH`] of them, unless they are the last, so that
-    /// the same rows are batches however a record is cut.
+    /// Takes the next rows: up to a multiple of [`BATCH`] of them, unless they are the last, so
+    /// that the same rows are batches however a record is cut.
     pub fn push(&mut self, block: &Block, gas: GasSource) {
         if block.begins_segment && self.row > 0 {
             self.end_segment();

@@ -88,7 +88,7 @@ impl Residuals {
     }
 
     /// Those of so many rows: Σ of squares of residuals, and of those with the drift; Σ of products
-    /// by lag; the greatest square that is known of; Σ of the output from `first_y`, and of squares.
+    /// by lag; the greatest square that is known; Σ of the output from `first_y`, and of squares.
     pub fn of_sums(
         count: u64,
         [squares, unexplained]: [f64; 2],

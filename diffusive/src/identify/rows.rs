@@ -149,8 +149,8 @@ impl RegressionRows {
         }
     }
 
-    /// Goes on where others of the same design were, for gas counted from that of the record's first
-    /// row.
+    /// Goes on where others of the same design were, for gas counted from that of the record's
+    /// first row.
     pub fn resume(&mut self, states: &RowStates, first_gas_c: Option<f64>) {
         for (lanes, x) in self.lanes.iter_mut().zip(states.x.as_chunks::<LANES>().0) {
             lanes.x = *x;

@@ -15,6 +15,9 @@ use super::summed::SummedRows;
 use recording::Temporary;
 
 const FORMAT: &str = "anemo-gram";
+/// Why a file cannot be read to its end.
+const BROKEN: &str = "is broken off or damaged: make it anew";
+
 /// Why sums of neighbours do not fit.
 const CHANGED: &str = "begins with other states than the rows before end with: parts were changed since the plan was made; make plan and sums anew";
 
@@ -83,7 +86,7 @@ impl GramFile {
         if self.rows.is_none() {
             return Err(GramError::of(&self.path, "is a plan, and has no sums: make them with `anemo gram --plan`"));
         }
-        let broken = |error| GramError::of(&self.path, format!("is broken off or damaged ({error}): make it anew"));
+        let broken = |_| GramError::of(&self.path, BROKEN);
         ciborium::from_reader(&mut self.rest).map_err(broken)
     }
 
@@ -95,7 +98,7 @@ impl GramFile {
         if self.rows.is_some() {
             return Err(GramError::of(&self.path, "has sums, and a plan belongs here"));
         }
-        let broken = |error| GramError::of(&self.path, format!("is broken off or damaged ({error}): make it anew"));
+        let broken = |_| GramError::of(&self.path, BROKEN);
         ciborium::from_reader(&mut self.rest).map_err(broken)
     }
 

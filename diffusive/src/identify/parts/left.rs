@@ -7,9 +7,9 @@
 //! T_l = a (T_{l−1} − e_{N−l} x_{N−1}) + g (E_{l−1}(u) − e_{N−l} u_{N−1})     c a relaxation x of u
 //! ```
 //!
-//! E is a sum of S_j(c, d) = Σ_n a_c,n d_{n+j}. A slow relaxation has it from S_0, which is in G, as
-//! x_{n−1} = (x_n − g u_{n−1})/a; a fast one from what drove it, as x_n = Σ_m g a^(m−1) u_{n−m},
-//! of which nothing is left behind 200 rows.
+//! E is a sum of S_j(c, d) = Σ_n a_c,n d_{n+j}. A slow relaxation has it from S_0, which is in G,
+//! as x_{n−1} = (x_n − g u_{n−1})/a; a fast one from what drove it, as x_n = Σ_m g a^(m−1)
+//! u_{n−m}, of which nothing is left behind 200 rows.
 //!
 //! Limit: of single rows only the first are known, 240 of them.
 

@@ -11,9 +11,8 @@
 //! | `reading` | the sums of all, as identification asks for those of a record |
 //! | `gram_file` | all of it as a file |
 //!
-//! Limits: one segment; no free poles, structure `conductance` or growing losses, which are searched
-//! on rows; of single rows whose residual
-//! stands out, those among the first 240 are found.
+//! Limits: one segment; no free poles, structure `conductance` or growing losses, which are
+//! searched on rows; of single rows whose residual stands out, those among the first 240 are found.
 
 mod design_sums;
 mod gram_file;

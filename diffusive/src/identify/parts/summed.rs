@@ -2,8 +2,8 @@
 //!
 //! Sums are of whole batches, counted from the record's first row, and begin with the states that
 //! the plan has found there: so rows, batches and their sums are those of the record in one go, to
-//! the last digit. Rows before the first whole batch and behind the last are kept as they are, until
-//! the neighbours' are there.
+//! the last digit. Rows before the first whole batch and behind the last are kept as they are,
+//! until the neighbours' are there.
 
 use serde::{Deserialize, Serialize};
 
