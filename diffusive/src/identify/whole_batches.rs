@@ -24,8 +24,8 @@ impl WholeBatches {
             self.finish(next);
         }
         let lacking = |row: u64| (BATCH - (row % BATCH as u64) as usize) % BATCH;
-        let begun = (self.row + self.waiting.len() as u64) % BATCH as u64 == 0 && self.waiting.is_empty();
-        let own = if begun { 0 } else { lacking(self.row + self.waiting.len() as u64).min(block.len()) };
+        // A batch that is begun is made whole first.
+        let own = lacking(self.row + self.waiting.len() as u64).min(block.len());
         if own > 0 {
             self.waiting.append(&block.rows(0..own));
             if lacking(self.row + self.waiting.len() as u64) == 0 {

@@ -137,7 +137,7 @@ impl SummedDesigns {
         };
         joined.tail.append(&behind.head);
         let to = body.first_row + body.rows + joined.tail.len() as u64;
-        if to % BATCH as u64 == 0 && !joined.tail.is_empty() {
+        if to.is_multiple_of(BATCH as u64) && !joined.tail.is_empty() {
             body = self.goes_on(body, &joined.tail);
             joined.tail = Block::default();
         }
