@@ -102,17 +102,15 @@ impl RunFolder {
 
     /// Completes the run, and clears what killed attempts have left.
     pub fn finish(&self, result: &RunResult) -> io::Result<()> {
+        Temporary::write(&self.path.join(RESULT), &serde_json::to_vec(result)?)?;
+        // What follows only takes room: an attempt that goes on elsewhere finds the results above.
+        let _ = fs::remove_file(self.path.join(FAILED));
         for left in fs::read_dir(&self.path)?.flatten() {
             if left.file_name().to_string_lossy().starts_with(ATTEMPT) {
-                // It only takes room; an attempt that goes on elsewhere finds the results below.
                 let _ = fs::remove_dir_all(left.path());
             }
         }
-        Temporary::write(&self.path.join(RESULT), &serde_json::to_vec(result)?)?;
-        match fs::remove_file(self.path.join(FAILED)) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
-            _ => Ok(()),
-        }
+        Ok(())
     }
 
     /// Notes why the run is not complete.
