@@ -57,14 +57,14 @@ impl Plan {
             return Err(RunFailure::Interrupted);
         }
         let (before, after) = (attempt.path().to_owned(), own.path());
+        let result = outcome.map(|results| RunResult::new(&self.runs()[place].hash, results));
+        if let Ok(result) = &result {
+            RunFolder::write_result(&before, result).map_err(RunFailure::unwritten(&before))?;
+        }
         own.take(attempt).map_err(RunFailure::unwritten(after))?;
-        let results = outcome.map_err(|failure| {
-            // Whoever reads the sentence finds the file where it comes to lie.
-            RunFailure::Failed(failure.to_string().replace(&*before.to_string_lossy(), &after.to_string_lossy()))
-        })?;
-        let result = RunResult::new(&self.runs()[place].hash, results);
-        own.finish(&result).map_err(RunFailure::unwritten(after))?;
-        Ok(result)
+        // Whoever reads the sentence finds the file where it comes to lie.
+        let moved = |sentence: String| sentence.replace(&*before.to_string_lossy(), &after.to_string_lossy());
+        result.map_err(|failure| RunFailure::Failed(moved(failure.to_string())))
     }
 
     /// The same by the run's hash.
