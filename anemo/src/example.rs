@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use crate::choice::choice;
-use crate::identify::progress_bar;
 use crate::output::Failure;
 use crate::picture::PictureArguments;
+use crate::progress::progress_bar;
 use diffusive::identify::cole_cole::{self, ColeColeCase, ColeColeComparison, ColeColeInput, ColeColeReport};
 use diffusive::identify::record::RecordTable;
 use diffusive::identify::{Constraints, InitialState};

@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use crate::identify::{ModelOptions, is_gram, progress_bar};
+use crate::identify::{ModelOptions, is_gram};
 use crate::output::Failure;
+use crate::progress::progress_bar;
 use diffusive::identify::parts::{GramError, GramFile, GramPlan, PartStarts, SummedRows, join_files};
 use diffusive::identify::record::{RecordSource as _, RecordStream};
 

@@ -2,13 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use indicatif::{ProgressBar, ProgressStyle};
-
 use crate::choice::choice;
 use crate::fit_recorder::FitRecorder;
 use crate::identify_page;
 use crate::output::Failure;
 use crate::picture::PictureArguments;
+use crate::progress::progress_bar;
 use diffusive::identify::Signs;
 use diffusive::identify::parts::{identify_parts, join_files, refuse_incomplete};
 use diffusive::identify::record::{RecordError, RecordSource as _, RecordStream, Selection, Survey, TimeUnit};
@@ -356,26 +355,6 @@ impl ModelOptions {
                 }
                 Ok(Signs::Positive(pairs))
             }
-        }
-    }
-}
-
-/// A bar on a terminal, nothing elsewhere.
-pub fn progress_bar() -> impl FnMut(&'static str, u64, u64) {
-    let bar = ProgressBar::new(1);
-    // Choosing cannot tell how far it is, and may take minutes with many event classes: the clock
-    // shows that it goes on.
-    bar.enable_steady_tick(std::time::Duration::from_millis(500));
-    if let Ok(style) = ProgressStyle::with_template("{msg:18} {wide_bar} {percent} % {elapsed}") {
-        bar.set_style(style);
-    }
-    move |what, done, all| {
-        crate::in_process::end_if_interrupted();
-        bar.set_message(what);
-        bar.set_length(all.max(1));
-        bar.set_position(done);
-        if done >= all {
-            bar.set_position(0);
         }
     }
 }

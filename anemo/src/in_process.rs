@@ -10,6 +10,7 @@ use recording::interrupt;
 
 use crate::output::hear;
 pub use crate::output::{Failure, Heard};
+use crate::progress::Ended;
 
 /// What a command has done.
 #[derive(Debug)]
@@ -18,16 +19,6 @@ pub struct Performed {
     pub heard: Heard,
     /// Whether it could be done.
     pub outcome: Result<(), Failure>,
-}
-
-/// Ends work that shows its progress, once its caller wants that.
-pub(crate) struct Ended;
-
-pub(crate) fn end_if_interrupted() {
-    if interrupt::is_interrupted() {
-        // Unwinding lets go of all that is half done; it is caught below, and prints nothing.
-        resume_unwind(Box::new(Ended));
-    }
 }
 
 /// Carries out a command in this thread; `words` are those behind `anemo`. Nothing is printed. The

@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::identify::{Columns, progress_bar};
+use crate::identify::Columns;
 use crate::output::Failure;
 use crate::picture::PictureArguments;
+use crate::progress::progress_bar;
 use diffusive::identify::record::RecordStream;
 use diffusive::laws::{FittedPart, compare};
 use plot::laws::laws_figure;

@@ -37,6 +37,36 @@ pub(super) fn on_interrupt() -> Arc<AtomicBool> {
     interrupted
 }
 
+/// A bar on a terminal, nothing elsewhere.
+pub(super) fn progress_bar() -> impl FnMut(&'static str, u64, u64) {
+    let bar = ProgressBar::new(1);
+    // Choosing cannot tell how far it is, and may take minutes with many event classes: the clock
+    // shows that it goes on.
+    bar.enable_steady_tick(std::time::Duration::from_millis(500));
+    if let Ok(style) = ProgressStyle::with_template("{msg:18} {wide_bar} {percent} % {elapsed}") {
+        bar.set_style(style);
+    }
+    move |what, done, all| {
+        end_if_interrupted();
+        bar.set_message(what);
+        bar.set_length(all.max(1));
+        bar.set_position(done);
+        if done >= all {
+            bar.set_position(0);
+        }
+    }
+}
+
+/// What unwinds from work that shows its progress, once its caller wants its end.
+pub(super) struct Ended;
+
+fn end_if_interrupted() {
+    if interrupt::is_interrupted() {
+        // Unwinding lets go of all that is half done; whoever set the flag catches it.
+        std::panic::resume_unwind(Box::new(Ended));
+    }
+}
+
 /// Prints what is being done: to people, not into files.
 #[cfg(feature = "studies")]
 pub(super) fn announce(what: &str) {

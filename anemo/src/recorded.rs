@@ -5,8 +5,10 @@ use std::path::{Path, PathBuf};
 use crate::output::Failure;
 use crate::picture::PictureArguments;
 use plot::Canvas;
+use recording::in_memory::MemoryColumns;
 use recording::{
-    Collector, Metadata, Recorder, RecordingError, RecordingLayout, RecordingRow, WriterOptions, in_memory, recover,
+    Collector, Metadata, Recorder, Recording, RecordingError, RecordingLayout, RecordingRow, WriterOptions, in_memory,
+    recover,
 };
 
 /// What is written of a recording, as far as it is requested.
@@ -48,7 +50,8 @@ impl RecordingOutputs {
             recorder.finish(outcome).map_err(|error| kept(&path, error))?;
         }
         if let Some((path, collector)) = self.memory {
-            in_memory::put(&path, collector.finish(outcome));
+            let Recording { columns, metadata, .. } = collector.finish(outcome);
+            in_memory::put(&path, MemoryColumns { columns, metadata });
         }
         if let Some((canvas, collector)) = self.picture {
             let figure = plot::run::figure(&collector.finish(outcome)).map_err(Failure::work)?;

@@ -30,14 +30,14 @@ def identify(
     initial_state: Number = None,
     feed_through: Number = None,
     dead_time: Number = None,
-    plot: Paths = None,
-    plot_width: Number = None,
-    plot_panel: Words = None,
-    report: Paths = None,
     free_poles: Number = None,
     tie: bool = False,
     losses: Number = None,
     drift: Number = None,
+    plot: Paths = None,
+    plot_width: Number = None,
+    plot_panel: Words = None,
+    report: Paths = None,
 ) -> Model:
     """Identify a diffusive model from a record: thermal resistances on a logarithmic grid of rates
     (diffusive mesh), with standard errors.
@@ -52,7 +52,8 @@ def identify(
     ----------
     records
         The record: .parquet or .csv files; several are segments of one record, or one segment where
-        each goes on where the one before ended
+        each goes on where the one before ended. Or the sums of all of its parts, .gram files of
+        `anemo gram`, in any order
     output_file
         Write the model to this .json file
     input
@@ -115,16 +116,6 @@ def identify(
         unless both --order and --mesh are given
     dead_time
         Samples by which the output is late
-    plot
-        Draw a picture into this .svg, .pdf or .png file
-    plot_width
-        Width of the picture, 60 to 400 mm: 180 (the default) is two columns of a journal, 88 one.
-        Type keeps its size
-    plot_panel
-        Draw only the panels whose captions begin so
-    report
-        Write a report into this .html file: record, gains, fit, choices, warnings, what the next
-        record should be, and the pictures. It needs no other file, and prints on A4
     free_poles
         Number of free rates of an output, 1 to 8, for a small model; the fit starts from that on
         the grid
@@ -145,6 +136,16 @@ def identify(
         - "integrated-walk": A slope with such increments
         - "correlated": A level that returns within a correlation time
         By default auto.
+    plot
+        Draw a picture into this .svg, .pdf or .png file
+    plot_width
+        Width of the picture, 60 to 400 mm: 180 (the default) is two columns of a journal, 88 one.
+        Type keeps its size
+    plot_panel
+        Draw only the panels whose captions begin so
+    report
+        Write a report into this .html file: record, gains, fit, choices, warnings, what the next
+        record should be, and the pictures. It needs no other file, and prints on A4
     """
     return call(
         "identify",
@@ -170,14 +171,14 @@ def identify(
             "--initial-state": initial_state,
             "--feed-through": feed_through,
             "--dead-time": dead_time,
-            "--plot": plot,
-            "--plot-width": plot_width,
-            "--plot-panel": several(plot_panel),
-            "--report": report,
             "--free-poles": free_poles,
             "--tie": flag(tie),
             "--losses": losses,
             "--drift": drift,
+            "--plot": plot,
+            "--plot-width": plot_width,
+            "--plot-panel": several(plot_panel),
+            "--report": report,
         },
         Model,
     )

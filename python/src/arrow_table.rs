@@ -12,8 +12,19 @@ use arrow_array::types::{
 };
 use arrow_array::{Array, ArrayRef, ArrowPrimitiveType, DictionaryArray, Float64Array, RecordBatch, StringArray};
 use arrow_schema::{DataType, Field, Schema, SchemaRef, TimeUnit};
-use recording::in_memory::MemoryTable;
-use recording::{ColumnValues, ColumnWords, Metadata, Recording};
+use recording::in_memory::{ForeignType, MemoryColumns, MemoryTable};
+use recording::{ColumnValues, ColumnWords, Metadata};
+
+/// A column in two units.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "the table: column `{column}` is in {stated} by its metadata and in {named} by its name: convert it, or rename it"
+)]
+pub struct ContraryUnit {
+    column: String,
+    stated: String,
+    named: String,
+}
 
 /// Batches of one schema.
 #[derive(Debug, Clone)]
@@ -24,7 +35,7 @@ pub struct ArrowTable {
 
 impl ArrowTable {
     /// The columns of a recording; numbers are moved, not copied.
-    pub fn of_recording(recording: Recording) -> Self {
+    pub fn of_columns(recording: MemoryColumns) -> Self {
         let mut fields = Vec::new();
         let mut arrays: Vec<ArrayRef> = Vec::new();
         for column in recording.columns {
@@ -60,17 +71,15 @@ impl ArrowTable {
     }
 
     /// Refuses a column whose metadata state another unit than its name does.
-    pub fn check_units(&self) -> Result<(), String> {
+    pub fn check_units(&self) -> Result<(), ContraryUnit> {
         for field in self.schema.fields() {
             let stated = field.metadata().get("unit").map(String::as_str);
             let named = recording::stated_unit(field.name());
             if let (Some(stated), Some(named)) = (stated, named)
                 && stated != named
             {
-                return Err(format!(
-                    "column `{}` is in {stated} by its metadata and in {named} by its name: convert it, or rename it",
-                    field.name()
-                ));
+                let [column, stated, named] = [field.name(), stated, named].map(str::to_owned);
+                return Err(ContraryUnit { column, stated, named });
             }
         }
         Ok(())
@@ -96,7 +105,7 @@ impl MemoryTable for ArrowTable {
         pairs
     }
 
-    fn values(&self, column: usize, rows: Range<usize>) -> Result<ColumnValues, String> {
+    fn values(&self, column: usize, rows: Range<usize>) -> Result<ColumnValues, ForeignType> {
         let holds_text = self.holds_text(column);
         let (mut numbers, mut words) = (Vec::with_capacity(rows.len()), ColumnWords::default());
         let mut first = 0;
@@ -121,7 +130,7 @@ fn is_text(data_type: &DataType) -> bool {
 }
 
 /// Numbers of an array, NaN for a null; moments in seconds since 1970.
-fn push_numbers(array: &ArrayRef, numbers: &mut Vec<f64>) -> Result<(), String> {
+fn push_numbers(array: &ArrayRef, numbers: &mut Vec<f64>) -> Result<(), ForeignType> {
     fn push<T: ArrowPrimitiveType>(array: &ArrayRef, numbers: &mut Vec<f64>, convert: impl Fn(T::Native) -> f64) {
         let array = array.as_primitive::<T>();
         if array.null_count() == 0 {
@@ -154,13 +163,13 @@ fn push_numbers(array: &ArrayRef, numbers: &mut Vec<f64>) -> Result<(), String> 
         DataType::Boolean => {
             numbers.extend(array.as_boolean().iter().map(|value| value.map_or(f64::NAN, |bit| u8::from(bit).into())));
         }
-        other => return Err(format!("is of Arrow's type {other}, which is neither number nor text")),
+        other => return Err(ForeignType(other.to_string())),
     }
     Ok(())
 }
 
 /// Texts of an array, empty for a null.
-fn push_words(array: &ArrayRef, words: &mut ColumnWords) -> Result<(), String> {
+fn push_words(array: &ArrayRef, words: &mut ColumnWords) -> Result<(), ForeignType> {
     match array.data_type() {
         DataType::Utf8 => array.as_string::<i32>().iter().for_each(|word| words.push(word.unwrap_or_default())),
         DataType::LargeUtf8 => array.as_string::<i64>().iter().for_each(|word| words.push(word.unwrap_or_default())),
@@ -173,7 +182,7 @@ fn push_words(array: &ArrayRef, words: &mut ColumnWords) -> Result<(), String> {
             let keys = dictionary.normalized_keys_or_none();
             keys.into_iter().for_each(|key| words.push(key.map_or("", |key| known.word(key))));
         }
-        other => return Err(format!("is of Arrow's type {other}, which is neither number nor text")),
+        other => return Err(ForeignType(other.to_string())),
     }
     Ok(())
 }

@@ -7,12 +7,12 @@ use std::time::Duration;
 
 use anemo::in_process::{Failure, Performed};
 use pyo3::prelude::*;
-use recording::Recording;
 use recording::in_memory::InMemory;
 
 use crate::arrow_table::ArrowTable;
-use crate::model::Model;
-use crate::table::Table;
+use crate::error::error;
+use crate::model::PyModel;
+use crate::table::PyTable;
 
 /// How often Python is asked for signals.
 const LOOK: Duration = Duration::from_millis(50);
@@ -23,13 +23,6 @@ const STACK_BYTES: usize = 8 << 20;
 static AT_WORK: AtomicUsize = AtomicUsize::new(0);
 /// Whether this process was forked from one in which a command was at work.
 static FORKED_AT_WORK: AtomicBool = AtomicBool::new(false);
-
-/// The package's own exception with a sentence and the exit code of the command line.
-pub fn error(py: Python<'_>, code: u8, sentence: &dyn std::fmt::Display) -> PyErr {
-    let raised =
-        py.import("anemo._error").and_then(|module| module.getattr("Error")?.call1((sentence.to_string(), code)));
-    raised.map_or_else(|error| error, PyErr::from_value)
-}
 
 /// A text that commands read like a file; what it names is sought from its folder.
 #[pyclass(module = "anemo", frozen)]
@@ -51,8 +44,8 @@ impl Text {
 #[derive(FromPyObject)]
 pub enum Word<'py> {
     Word(String),
-    Table(PyRef<'py, Table>),
-    Model(PyRef<'py, Model>),
+    Table(PyRef<'py, PyTable>),
+    Model(PyRef<'py, PyModel>),
     Text(PyRef<'py, Text>),
 }
 
@@ -90,10 +83,11 @@ impl Words {
 
 /// What a command has done: its JSON and text, its warnings, exit code and sentence, the recording
 /// if one was wanted, and the signal that came meanwhile.
-type Done = (Option<String>, String, Vec<String>, u8, Option<String>, Option<Table>, Option<PyErr>);
+type Done = (Option<String>, String, Vec<String>, u8, Option<String>, Option<PyTable>, Option<PyErr>);
 
-/// Carries out a command, whose words stand each behind its option ("--head=") or nothing; `place` is the option for a recording that comes back as a table. A first KeyboardInterrupt ends the work,
-/// and what it has done comes back with it; a second one leaves the work alone.
+/// Carries out a command, whose words stand each behind its option ("--head=") or nothing. `place`
+/// is the option for a recording that comes back as a table. A first KeyboardInterrupt ends the
+/// work, and what it has done comes back with it; a second one leaves the work alone.
 #[pyfunction]
 #[pyo3(signature = (words, place = None))]
 pub fn perform(py: Python<'_>, words: Vec<(String, Word<'_>)>, place: Option<&str>) -> PyResult<Done> {

@@ -3,6 +3,7 @@
 
 mod arrow_table;
 mod commands;
+mod error;
 mod model;
 mod sweep;
 mod table;
@@ -15,9 +16,9 @@ mod _anemo {
     #[pymodule_export]
     use super::commands::{Text, forked, main, perform};
     #[pymodule_export]
-    use super::model::Model;
+    use super::model::PyModel;
     #[pymodule_export]
     use super::sweep::Sweep;
     #[pymodule_export]
-    use super::table::Table;
+    use super::table::PyTable;
 }

@@ -9,12 +9,12 @@ use numpy::{Complex64, IntoPyArray as _, PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::commands::error;
+use crate::error::error;
 
 /// A diffusive model: how heating powers lead to temperatures, with standard errors.
-#[pyclass(module = "anemo", frozen, eq, dict)]
+#[pyclass(name = "Model", module = "anemo", frozen, eq, dict)]
 #[derive(Clone, PartialEq)]
-pub struct Model {
+pub struct PyModel {
     pub inner: diffusive::model::Model,
 }
 
@@ -23,17 +23,17 @@ fn refused(py: Python<'_>) -> impl Fn(ModelError) -> PyErr {
 }
 
 /// Pair and class of a model.
-struct Part<'a> {
+struct PartName<'a> {
     pair: Option<&'a str>,
     class: Option<&'a str>,
 }
 
-impl Model {
-    fn part<'m>(&'m self, py: Python<'_>, of: &Part<'m>) -> PyResult<PairClass<'m>> {
+impl PyModel {
+    fn part<'m>(&'m self, py: Python<'_>, of: &PartName<'m>) -> PyResult<PairClass<'m>> {
         PairClass::find(&self.inner, of.pair, of.class).map_err(refused(py))
     }
 
-    fn form<'py>(&self, py: Python<'py>, of: &Part<'_>, form: ExportForm) -> PyResult<Bound<'py, PyDict>> {
+    fn form<'py>(&self, py: Python<'py>, of: &PartName<'_>, form: ExportForm) -> PyResult<Bound<'py, PyDict>> {
         let part = self.part(py, of)?;
         let report = ExportReport::new(&part, form, None).map_err(refused(py))?;
         let columns = PyDict::new(py);
@@ -57,7 +57,7 @@ type Matrices<'py> = (
 );
 
 #[pymethods]
-impl Model {
+impl PyModel {
     /// Reads a model's .json file.
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
@@ -135,7 +135,7 @@ impl Model {
     /// Steady gain of a pair and its standard error, K/W.
     #[pyo3(signature = (pair = None, class_ = None))]
     fn steady_gain(&self, py: Python<'_>, pair: Option<&str>, class_: Option<&str>) -> PyResult<(f64, f64)> {
-        let class = self.part(py, &Part { pair, class: class_ })?.class;
+        let class = self.part(py, &PartName { pair, class: class_ })?.class;
         Ok((class.steady_gain_k_per_w, class.se_steady_gain_k_per_w))
     }
 
@@ -143,20 +143,20 @@ impl Model {
     /// symbol_k_per_j, continuous_symbol_k_per_w, se_continuous_symbol_k_per_w.
     #[pyo3(signature = (pair = None, class_ = None))]
     fn spectrum<'py>(&self, py: Python<'py>, pair: Option<&str>, class_: Option<&str>) -> PyResult<Bound<'py, PyDict>> {
-        self.form(py, &Part { pair, class: class_ }, ExportForm::Symbol)
+        self.form(py, &PartName { pair, class: class_ }, ExportForm::Symbol)
     }
 
     /// Foster network: rate_rad_s, time_constant_s, resistance_k_per_w, capacitance_j_per_k,
     /// symbol_k_per_j.
     #[pyo3(signature = (pair = None, class_ = None))]
     fn foster<'py>(&self, py: Python<'py>, pair: Option<&str>, class_: Option<&str>) -> PyResult<Bound<'py, PyDict>> {
-        self.form(py, &Part { pair, class: class_ }, ExportForm::Foster)
+        self.form(py, &PartName { pair, class: class_ }, ExportForm::Foster)
     }
 
     /// Cauer ladder from the heater outwards: resistance_k_per_w, capacitance_j_per_k.
     #[pyo3(signature = (pair = None, class_ = None))]
     fn cauer<'py>(&self, py: Python<'py>, pair: Option<&str>, class_: Option<&str>) -> PyResult<Bound<'py, PyDict>> {
-        self.form(py, &Part { pair, class: class_ }, ExportForm::Cauer)
+        self.form(py, &PartName { pair, class: class_ }, ExportForm::Cauer)
     }
 
     /// Cumulative structure function: cumulative_resistance_k_per_w,
@@ -168,7 +168,7 @@ impl Model {
         pair: Option<&str>,
         class_: Option<&str>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        self.form(py, &Part { pair, class: class_ }, ExportForm::Structure)
+        self.form(py, &PartName { pair, class: class_ }, ExportForm::Structure)
     }
 
     /// Impulse response at times in s, K/J; a feed-through is not in it.
@@ -180,7 +180,7 @@ impl Model {
         pair: Option<&str>,
         class_: Option<&str>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let part = self.part(py, &Part { pair, class: class_ })?;
+        let part = self.part(py, &PartName { pair, class: class_ })?;
         let time_s = time_s.as_array().to_vec();
         Ok(impulse_response(&part, &time_s).map_err(refused(py))?.into_pyarray(py))
     }
@@ -194,7 +194,7 @@ impl Model {
         pair: Option<&str>,
         class_: Option<&str>,
     ) -> PyResult<Bound<'py, PyArray1<Complex64>>> {
-        let part = self.part(py, &Part { pair, class: class_ })?;
+        let part = self.part(py, &PartName { pair, class: class_ })?;
         let at = |omega_rad_s: &f64| {
             let value = response_in_class(&self.inner, part.pair, part.label, *omega_rad_s);
             value.map(|value| Complex64::new(value.re, value.im))

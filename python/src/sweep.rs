@@ -7,7 +7,8 @@ use std::sync::atomic::AtomicBool;
 use ::sweep::{Plan, RunFailure};
 use pyo3::prelude::*;
 
-use crate::commands::{error, waited_for};
+use crate::commands::waited_for;
+use crate::error::error;
 
 /// The runs of a sweep file.
 #[pyclass(module = "anemo._anemo", frozen)]

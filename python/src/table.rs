@@ -13,11 +13,11 @@ use numpy::{IntoPyArray as _, PyReadonlyArray1};
 use pyo3::exceptions::{PyKeyError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict, PyList};
-use recording::in_memory::MemoryTable as _;
+use recording::in_memory::{MemoryColumns, MemoryTable as _};
 use recording::{ColumnValues, Recording, RecordingColumn};
 
 use crate::arrow_table::ArrowTable;
-use crate::commands::error;
+use crate::error::error;
 
 const STREAM: &std::ffi::CStr = c"arrow_array_stream";
 
@@ -25,13 +25,19 @@ const STREAM: &std::ffi::CStr = c"arrow_array_stream";
 ///
 /// pyarrow.table(t), polars.DataFrame(t), pandas.DataFrame.from_arrow(t) and DuckDB take it without
 /// a copy. `t["name"]` is a column as numpy array, numbers in f64, missing ones NaN.
-#[pyclass(module = "anemo", frozen, dict)]
-pub struct Table {
+#[pyclass(name = "Table", module = "anemo", frozen, dict)]
+pub struct PyTable {
     pub inner: Arc<ArrowTable>,
 }
 
+impl PyTable {
+    pub fn of(table: ArrowTable) -> Self {
+        Self { inner: Arc::new(table) }
+    }
+}
+
 #[pymethods]
-impl Table {
+impl PyTable {
     /// Takes anything with `__arrow_c_stream__` without a copy, or a mapping of names to arrays.
     #[new]
     #[pyo3(signature = (data, metadata = None))]
@@ -44,7 +50,7 @@ impl Table {
             let batches = inner.batches.into_iter().map(|batch| batch.with_schema(Arc::clone(&inner.schema)));
             inner.batches = batches.collect::<Result<_, _>>().map_err(|reason| error(data.py(), 2, &reason))?;
         }
-        inner.check_units().map_err(|sentence| error(data.py(), 2, &format!("the table: {sentence}")))?;
+        inner.check_units().map_err(|reason| error(data.py(), 2, &reason))?;
         Ok(Self { inner: Arc::new(inner) })
     }
 
@@ -52,7 +58,8 @@ impl Table {
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let recording = py.detach(|| Recording::read(&path)).map_err(|reason| error(py, 2, &reason))?;
-        Ok(Self { inner: Arc::new(ArrowTable::of_recording(recording)) })
+        let Recording { columns, metadata, .. } = recording;
+        Ok(Self::of(ArrowTable::of_columns(MemoryColumns { columns, metadata })))
     }
 
     /// Names of the columns.
@@ -87,7 +94,7 @@ impl Table {
             Ok(ColumnValues::Words(words)) => {
                 py.import("numpy")?.call_method1("array", (PyList::new(py, words.iter())?,))
             }
-            Err(sentence) => Err(error(py, 2, &format!("column `{name}` {sentence}"))),
+            Err(reason) => Err(error(py, 2, &format!("column `{name}` {reason}"))),
         }
     }
 
@@ -159,9 +166,5 @@ fn of_mapping(data: &Bound<'_, PyAny>) -> PyResult<ArrowTable> {
     if columns.is_empty() || rows == Some(0) {
         return Err(error(py, 2, &"the table has no rows"));
     }
-    let recording = Recording { path: "the table".into(), metadata: Vec::new(), columns };
-    let mut table = ArrowTable::of_recording(recording);
-    // Units of a foreign table are what its names say, and nothing else.
-    table.schema = Arc::new(arrow_schema::Schema::clone(&table.schema));
-    Ok(table)
+    Ok(ArrowTable::of_columns(MemoryColumns { columns, metadata: Vec::new() }))
 }

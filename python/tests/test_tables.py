@@ -68,7 +68,7 @@ def test_nulls_moments_and_small_types_are_numbers():
     assert np.array_equal(table["on"], [1.0, 0.0, np.nan], equal_nan=True)
     assert (list(table["y"]), list(table["event"])) == ([1.5, 2.5, 3.5], ["a", "", "b"])
     nested = anemo.Table(pa.table({"t": [0.0, 1.0], "pair": [[1, 2], [3, 4]]}))
-    with pytest.raises(anemo.Error, match="column `pair` is of Arrow's type List"):
+    with pytest.raises(anemo.Error, match="column `pair` is of the type List"):
         nested["pair"]
 
 

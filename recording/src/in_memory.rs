@@ -9,9 +9,13 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, LazyLock, PoisonError, RwLock};
 
-use crate::column::{CHUNK, ChunkSource, ColumnValues, Metadata, TableHead};
+use crate::column::{CHUNK, ChunkSource, ColumnValues, Metadata, RecordingColumn, TableHead};
 use crate::error::RecordingError;
-use crate::recording::Recording;
+
+/// A column's type of another library.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("is of the type {0}, which is neither number nor text")]
+pub struct ForeignType(pub String);
 
 /// A table of somebody else, of which rows are copied as they are read.
 pub trait MemoryTable: Send + Sync {
@@ -24,28 +28,37 @@ pub trait MemoryTable: Send + Sync {
     /// Some rows of a column.
     ///
     /// # Errors
-    /// A sentence, if it has a type that is neither number nor text.
-    fn values(&self, column: usize, rows: Range<usize>) -> Result<ColumnValues, String>;
+    /// If it has a type that is neither number nor text.
+    fn values(&self, column: usize, rows: Range<usize>) -> Result<ColumnValues, ForeignType>;
     /// What it says of itself.
     fn metadata(&self) -> Metadata {
         Metadata::new()
     }
 }
 
-impl MemoryTable for Recording {
+/// Columns of a recording, and what it says of itself.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MemoryColumns {
+    /// In the order of a file.
+    pub columns: Vec<RecordingColumn>,
+    /// By key.
+    pub metadata: Metadata,
+}
+
+impl MemoryTable for MemoryColumns {
     fn names(&self) -> Vec<String> {
         self.columns.iter().map(|column| column.name.clone()).collect()
     }
 
     fn rows(&self) -> usize {
-        self.len()
+        self.columns.first().map_or(0, |column| column.values.len())
     }
 
     fn holds_text(&self, column: usize) -> bool {
         matches!(self.columns[column].values, ColumnValues::Words(_))
     }
 
-    fn values(&self, column: usize, rows: Range<usize>) -> Result<ColumnValues, String> {
+    fn values(&self, column: usize, rows: Range<usize>) -> Result<ColumnValues, ForeignType> {
         Ok(self.columns[column].values.between(rows))
     }
 
@@ -60,7 +73,7 @@ enum Kept {
     Text(Arc<str>),
     /// Where a recording is to be put.
     Place,
-    Recording(Box<Recording>),
+    Written(Arc<MemoryColumns>),
 }
 
 static KEPT: LazyLock<RwLock<HashMap<PathBuf, Kept>>> = LazyLock::new(RwLock::default);
@@ -100,10 +113,10 @@ impl InMemory {
         &self.path
     }
 
-    /// The recording that was written there, if any was.
-    pub fn take(self) -> Option<Recording> {
+    /// What was put there, if anything was.
+    pub fn take(self) -> Option<MemoryColumns> {
         match KEPT.write().unwrap_or_else(PoisonError::into_inner).remove(&self.path) {
-            Some(Kept::Recording(recording)) => Some(*recording),
+            Some(Kept::Written(columns)) => Some(Arc::unwrap_or_clone(columns)),
             _ => None,
         }
     }
@@ -126,12 +139,12 @@ pub fn is_in_memory(path: &Path) -> bool {
 
 /// Whether this is the name of a place for a recording.
 pub fn is_place(path: &Path) -> bool {
-    matches!(kept(path), Some(Kept::Place | Kept::Recording(_)))
+    matches!(kept(path), Some(Kept::Place | Kept::Written(_)))
 }
 
 /// Puts a recording into its place.
-pub fn put(path: &Path, recording: Recording) {
-    let what = Kept::Recording(Box::new(recording));
+pub fn put(path: &Path, columns: MemoryColumns) {
+    let what = Kept::Written(Arc::new(columns));
     KEPT.write().unwrap_or_else(PoisonError::into_inner).insert(path.to_owned(), what);
 }
 
@@ -197,7 +210,7 @@ impl ChunkSource for MemoryReader {
             let refuse = |sentence: String| {
                 RecordingError::new(&head.path, format!("column `{}` {sentence}", head.names[column]))
             };
-            match self.table.values(column, rows.clone()).map_err(refuse)? {
+            match self.table.values(column, rows.clone()).map_err(|error| refuse(error.to_string()))? {
                 ColumnValues::Words(words) if self.times.contains(&column) => {
                     let no_moment = |row| refuse(format!("holds `{}`, which is no moment", words.word(row)));
                     Ok(ColumnValues::Numbers(words.seconds().map_err(no_moment)?))
@@ -212,15 +225,14 @@ impl ChunkSource for MemoryReader {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::RecordingColumn;
+    use crate::Recording;
 
-    fn recording(rows: usize) -> Recording {
+    fn recording(rows: usize) -> MemoryColumns {
         let time_s = (0..rows).map(|row| row as f64 * 0.5).collect();
         let column = |name: &str, values| RecordingColumn { name: name.to_owned(), values };
         let mut event = crate::ColumnWords::default();
         (0..rows).for_each(|row| event.push(if row < 20_000 { "still" } else { "gust" }));
-        Recording {
-            path: "somewhere".into(),
+        MemoryColumns {
             metadata: vec![("title".to_owned(), "a table".to_owned())],
             columns: vec![column("time_s", ColumnValues::Numbers(time_s)), column("event", ColumnValues::Words(event))],
         }
@@ -250,7 +262,7 @@ mod tests {
         let place = InMemory::place();
         assert!(is_place(place.path()) && !is_place(named.path()));
         put(place.path(), recording(3));
-        assert_eq!(place.take().unwrap().len(), 3);
+        assert_eq!(place.take().unwrap().rows(), 3);
         assert!(InMemory::place().take().is_none());
     }
 }

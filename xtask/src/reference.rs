@@ -1,5 +1,6 @@
-//! The pages of the command-line reference and the functions of the Python package, written by `anemo`'s example `interface` from the
-//! definition that the help is printed from; and whether those of the book are the same.
+//! The pages of the command-line reference and the functions of the Python package, written by
+//! `anemo`'s example `interface` from the definition that the help is printed from; and whether
+//! those of the project are the same.
 
 use crate::{artefacts, shell};
 use anyhow::{Context, Result, bail};

@@ -2,8 +2,8 @@
 //! `interface --parse`.
 //!
 //! The folder gets `completions/` (bash, zsh, fish, elvish, PowerShell), `man/` (`anemo.1` and a
-//! page a subcommand), `reference/` (the Markdown pages of `docs/reference`) and `_commands.py` (the
-//! functions of the Python package).
+//! page a subcommand), `reference/` (the Markdown pages of `docs/reference`) and
+//! `_commands.py` (the functions of the Python package).
 //!
 //! `--parse` reads command lines from stdin, one a line, as `anemo run gusts.toml --on sim`, and
 //! starts nothing. Each that `anemo` would refuse is answered with `NUMBER: reason` on stdout, by
