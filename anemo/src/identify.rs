@@ -199,7 +199,8 @@ fn edges(text: &str) -> Result<(f64, f64), Failure> {
     })
 }
 
-fn at_least_one(text: &str) -> Result<usize, Failure> {
+/// A count.
+pub fn at_least_one(text: &str) -> Result<usize, Failure> {
     let count = text.parse().ok().filter(|&count: &usize| count > 0);
     count.ok_or_else(|| Failure::usage(format!("`{text}` is no whole number of at least 1")))
 }

@@ -112,9 +112,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     crate::output::note_corrections(&experiment.head);
     arguments.publish.mount(&mut experiment.head)?;
-    let mut known = crate::run::metadata(&experiment, on);
+    let layout = crate::run::layout_on(&experiment, on);
+    let mut known = host_sim::run::metadata(&experiment, &layout, &crate::run::instrument_name(on));
     let Begin { begin_s, begin, continued } = begin(folder, &experiment, &mut known)?;
-    let layout = crate::run::layout(&experiment, on);
     let interrupted = on_interrupt();
     let first = arguments.instrument.open(Some(arguments.source.path()), || Ok(experiment.sensor()?))?;
     let recorder = Recorder::create(folder, layout, &known, &options).map_err(Failure::usage)?;

@@ -11,10 +11,8 @@ use crate::picture::PictureArguments;
 use crate::progress::on_interrupt;
 use crate::recorded::RecordingOutputs;
 use host_sim::experiment::Experiment;
-use host_sim::run::{RunError, RunSummary, TripSummary, run};
-use recording::{Metadata, RecordingLayout, SegmentLength, WriterOptions};
-use time::OffsetDateTime;
-use time::format_description::well_known::Rfc3339;
+use host_sim::run::{RunError, RunSummary, TripSummary, layout, metadata, outcome, run};
+use recording::{RecordingLayout, SegmentLength, WriterOptions};
 
 /// Run an experiment and record it.
 ///
@@ -60,8 +58,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     crate::output::note_corrections(&experiment.head);
     experiment.differences().iter().for_each(|difference| crate::output::warn(difference));
     let simulated = !matches!(arguments.instrument.on, On::Serial(_));
-    let layout = layout(&experiment, &arguments.instrument.on);
-    let known = metadata(&experiment, &arguments.instrument.on);
+    let layout = layout_on(&experiment, &arguments.instrument.on);
+    let known = metadata(&experiment, &layout, &instrument_name(&arguments.instrument.on));
     // What is simulated can be run again; what is measured cannot.
     let options = WriterOptions {
         has_journal: !simulated,
@@ -110,21 +108,10 @@ fn verdict(summary: &RunSummary) -> Result<(), Failure> {
     }
 }
 
-/// What the rows of an experiment consist of.
-pub(super) fn layout(experiment: &Experiment, on: &On) -> RecordingLayout {
-    let simulated = !matches!(on, On::Serial(_));
-    let names = experiment.head.names();
-    RecordingLayout {
-        elements: names.iter().copied().map(str::to_owned).collect(),
-        true_wind: simulated,
-        gas: simulated && *on != On::Silicon && experiment.gas_swing.is_some(),
-        estimates: experiment.surfaces(),
-        combined_wind: false,
-        earth_wind: false,
-        cores: Vec::new(),
-        numbers: Vec::new(),
-        observed: experiment.observed().into_iter().map(|element| names[element].to_owned()).collect(),
-    }
+/// What the rows of an experiment consist of on this instrument.
+pub(super) fn layout_on(experiment: &Experiment, on: &On) -> RecordingLayout {
+    let layout = layout(experiment, !matches!(on, On::Serial(_)));
+    RecordingLayout { gas: layout.gas && *on != On::Silicon, ..layout }
 }
 
 /// An instrument as the command line names it.
@@ -136,50 +123,4 @@ pub(super) fn instrument_name(on: &On) -> String {
         On::Serial(device) => format!("serial:{device}"),
         On::Scpi(host) => format!("scpi:{host}"),
     }
-}
-
-/// Metadata of the recording, as far as they are known before the run.
-pub(super) fn metadata(experiment: &Experiment, on: &On) -> Metadata {
-    let instrument = instrument_name(on);
-    let mut units =
-        "time_s: s; temperature_c: °C; power_w: W; equivalent_power_w: W; heater: 0 or 1; wind: m/s".to_owned();
-    if experiment.gas_swing.is_some() && matches!(on, On::Sim | On::Qemu) {
-        units += "; gas_temperature_c: °C";
-    }
-    let pairs = [
-        ("title", experiment.title.clone()),
-        ("instrument", instrument),
-        ("sample_period_s", experiment.sample_period_s.to_string()),
-        ("units", units),
-        ("head_name", experiment.head.name.clone()),
-        ("experiment", experiment.source.text.clone()),
-        ("head", experiment.head.source.text.clone()),
-        ("start_utc", start_utc()),
-        ("software", format!("anemo {}", env!("CARGO_PKG_VERSION"))),
-    ];
-    let bandwidth = experiment.wind_output.as_ref().map(|of| ("bandwidth_hz", of.bandwidth_hz.to_string()));
-    let models = experiment.models.as_ref().map(|models| ("models", models.source.text.clone()));
-    let mounting = experiment.head.heading_deg.map(|_| experiment.head.mounting_or_north().metadata());
-    let known = pairs.into_iter().chain(models).chain(bandwidth).map(|(key, value)| (key.to_owned(), value));
-    known.chain(mounting.unwrap_or_default()).chain(experiment.conditions().to_metadata()).collect()
-}
-
-/// This moment by the computer's clock, which may be off.
-pub(super) fn start_utc() -> String {
-    // The formatter refuses years of five digits only.
-    OffsetDateTime::now_utc().format(&Rfc3339).unwrap_or_default()
-}
-
-/// What the end of the run adds.
-fn outcome(summary: &RunSummary) -> Metadata {
-    let mut pairs = vec![
-        ("firmware".to_owned(), summary.firmware.clone()),
-        ("lost".to_owned(), summary.lost.to_string()),
-        ("trips".to_owned(), summary.trips.len().to_string()),
-        ("complete".to_owned(), summary.ended.is_none().to_string()),
-    ];
-    pairs.extend(summary.ended.iter().map(|ended| ("ended".to_owned(), ended.to_string())));
-    pairs.extend(summary.extrapolated.map(|ticks| ("extrapolated".to_owned(), ticks.to_string())));
-    pairs.extend(summary.hash.iter().map(|hash| ("hash".to_owned(), hash.clone())));
-    pairs
 }

@@ -9,7 +9,7 @@ use crate::live_table::LiveTable;
 use crate::output::Failure;
 use crate::progress::on_interrupt;
 use crate::recorded::RecordingOutputs;
-use crate::run::{Arguments, instrument_name, start_utc};
+use crate::run::{Arguments, instrument_name};
 use dielectric::experiment::DeviceExperiment;
 use dielectric::meter::{MeterSettings, ScpiMeter};
 use dielectric::port::DevicePort;
@@ -48,7 +48,7 @@ fn run_on_device(arguments: &Arguments, experiment: &DeviceExperiment) -> Result
     let simulated = !matches!(instrument.on, On::Scpi(_));
     let layout = layout(experiment, simulated);
     let mut known = metadata(experiment, &instrument_name(&instrument.on));
-    known.push(("start_utc".to_owned(), start_utc()));
+    known.push(("start_utc".to_owned(), recording::utc::now()));
     known.push(("software".to_owned(), format!("anemo {}", env!("CARGO_PKG_VERSION"))));
     let options = WriterOptions {
         has_journal: !simulated,

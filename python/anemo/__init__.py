@@ -25,6 +25,7 @@ from ._anemo import Model, Table
 from ._commands import *  # noqa: F403
 from ._error import Error, Interrupted
 from ._results import Experiment, Head, Network, Report
+from ._sweep import sweep
 
 __version__ = _metadata.version("anemo")
 __all__ = [
@@ -37,6 +38,7 @@ __all__ = [
     "Report",
     "Table",
     "load",
+    "sweep",
     *_commands.__all__,
 ]
 

@@ -128,7 +128,7 @@ pub fn perform(py: Python<'_>, words: Vec<(String, Word<'_>)>, place: Option<&st
 }
 
 /// Does work on a thread, with a pool of its own, so that no thread is left once it is done.
-fn waited_for<T: Send + 'static>(
+pub fn waited_for<T: Send + 'static>(
     py: Python<'_>,
     interrupted: &AtomicBool,
     work: impl FnOnce() -> T + Send + 'static,

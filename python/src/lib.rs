@@ -4,6 +4,7 @@
 mod arrow_table;
 mod commands;
 mod model;
+mod sweep;
 mod table;
 
 use pyo3::prelude::*;
@@ -15,6 +16,8 @@ mod _anemo {
     use super::commands::{Text, forked, main, perform};
     #[pymodule_export]
     use super::model::Model;
+    #[pymodule_export]
+    use super::sweep::Sweep;
     #[pymodule_export]
     use super::table::Table;
 }

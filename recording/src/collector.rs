@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::column::{ColumnKind, Metadata};
+use crate::column::{ColumnKind, Metadata, RowCell};
 use crate::error::RecordingError;
 use crate::recording::Recording;
 use crate::row::{RecordingLayout, RecordingRow};
@@ -14,6 +14,7 @@ use crate::writer::with_format;
 pub struct Collector {
     layout: RecordingLayout,
     metadata: Metadata,
+    kinds: Vec<ColumnKind>,
     rows: ThinnedRows,
 }
 
@@ -31,8 +32,9 @@ impl Collector {
 
     fn with(layout: RecordingLayout, metadata: &Metadata, most: usize) -> Self {
         let is_text = |name: &str| ColumnKind::of(name) == ColumnKind::Text;
+        let kinds = layout.columns().iter().map(|name| ColumnKind::of(name)).collect();
         let rows = ThinnedRows::new(layout.columns().into_iter().map(|name| (name.clone(), is_text(&name))), most);
-        Self { layout, metadata: with_format(metadata), rows }
+        Self { layout, metadata: with_format(metadata), kinds, rows }
     }
 
     /// What the rows consist of.
@@ -46,7 +48,11 @@ impl Collector {
     /// If it does not fit the layout.
     pub fn push(&mut self, row: &RecordingRow) -> Result<(), RecordingError> {
         self.layout.check(row)?;
-        self.rows.push("this run".as_ref(), row.cells())
+        let cells = row.cells().zip(&self.kinds).map(|(cell, kind)| match (cell, kind) {
+            (RowCell::Number(number), ColumnKind::Number) => RowCell::Number((number as f32).into()),
+            (cell, _) => cell,
+        });
+        self.rows.push("this run".as_ref(), cells)
     }
 
     /// The recording, with what is known at its end.

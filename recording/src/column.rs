@@ -205,6 +205,8 @@ pub(crate) enum ColumnKind {
     Bit,
     /// A whole number, or none.
     Flags,
+    /// f64, or none.
+    Sparse,
     Text,
 }
 
@@ -221,6 +223,12 @@ impl ColumnKind {
         }
     }
 
+    /// Whether a missing number is none in the file, and no NaN.
+    #[cfg(feature = "parquet")]
+    pub(crate) const fn is_optional(self) -> bool {
+        matches!(self, Self::Flags | Self::Sparse)
+    }
+
     /// Columns of a recording with their kinds.
     pub(crate) fn of_each(names: impl IntoIterator<Item = String>) -> Vec<(String, Self)> {
         names.into_iter().map(|name| (name.clone(), Self::of(&name))).collect()
@@ -229,7 +237,7 @@ impl ColumnKind {
     /// Bytes of a value that is not compressed, about.
     #[cfg(feature = "parquet")]
     pub(crate) const fn bytes(self) -> u64 {
-        if matches!(self, Self::Wide | Self::Utc) { 8 } else { 4 }
+        if matches!(self, Self::Wide | Self::Utc | Self::Sparse) { 8 } else { 4 }
     }
 }
 

@@ -138,10 +138,13 @@ fn write_column(
         (ColumnKind::Bit, ColumnValues::Numbers(bits)) => {
             column.typed::<Int32Type>().write_batch(&whole(bits), None, None)
         }
-        (ColumnKind::Flags, ColumnValues::Numbers(flags)) => {
-            let present: Vec<i16> = flags.iter().map(|flags| i16::from(!flags.is_nan())).collect();
-            let flags: Vec<f64> = flags.iter().copied().filter(|flags| !flags.is_nan()).collect();
-            column.typed::<Int32Type>().write_batch(&whole(&flags), Some(&present), None)
+        (ColumnKind::Flags | ColumnKind::Sparse, ColumnValues::Numbers(numbers)) => {
+            let present: Vec<i16> = numbers.iter().map(|number| i16::from(!number.is_nan())).collect();
+            let numbers: Vec<f64> = numbers.iter().copied().filter(|number| !number.is_nan()).collect();
+            match kind {
+                ColumnKind::Flags => column.typed::<Int32Type>().write_batch(&whole(&numbers), Some(&present), None),
+                _ => column.typed::<DoubleType>().write_batch(&numbers, Some(&present), None),
+            }
         }
         (ColumnKind::Utc, ColumnValues::Numbers(seconds)) => {
             let microseconds: Vec<i64> = seconds.iter().map(|seconds| (seconds * 1e6).round() as i64).collect();
@@ -160,7 +163,7 @@ fn write_column(
 
 fn field(name: &str, kind: ColumnKind) -> Result<Type, ParquetError> {
     let (physical, logical) = match kind {
-        ColumnKind::Wide => (Physical::DOUBLE, None),
+        ColumnKind::Wide | ColumnKind::Sparse => (Physical::DOUBLE, None),
         ColumnKind::Utc => (Physical::INT64, Some(LogicalType::timestamp(true, TimeUnit::MICROS))),
         ColumnKind::Number => (Physical::FLOAT, None),
         ColumnKind::Bit => (Physical::INT32, Some(LogicalType::integer(8, false))),
@@ -168,7 +171,7 @@ fn field(name: &str, kind: ColumnKind) -> Result<Type, ParquetError> {
         ColumnKind::Text => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
     };
     Type::primitive_type_builder(name, physical)
-        .with_repetition(if kind == ColumnKind::Flags { Repetition::OPTIONAL } else { Repetition::REQUIRED })
+        .with_repetition(if kind.is_optional() { Repetition::OPTIONAL } else { Repetition::REQUIRED })
         .with_logical_type(logical)
         .build()
 }

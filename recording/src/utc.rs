@@ -25,6 +25,11 @@ pub fn rfc3339(seconds: f64) -> String {
     moment.filter(|_| seconds.is_finite()).and_then(|moment| moment.format(&Rfc3339).ok()).unwrap_or_default()
 }
 
+/// This moment by the computer's clock, which may be off.
+pub fn now() -> String {
+    rfc3339(seconds_of(SystemTime::now()))
+}
+
 /// Seconds since 1970 of such a text.
 pub fn from_rfc3339(text: &str) -> Option<f64> {
     from_text(text).filter(|(_, states_zone)| *states_zone).map(|(seconds, _)| seconds)

@@ -1,5 +1,6 @@
 //! Brings the programs that what `anemo` publishes is tested against: a broker, a database, clients
-//! of SCPI, readers of files, a browser, and one that writes down what a log asks of the disk.
+//! of SCPI, readers of files, a browser, a cluster, and one that writes down what a log asks of the
+//! disk.
 //! Tests start them on the loopback and end them; none is a service of the system.
 
 use crate::{install, shell};
@@ -12,7 +13,7 @@ struct Counterpart {
     service: Option<&'static str>,
 }
 
-const COUNTERPARTS: [Counterpart; 8] = [
+const COUNTERPARTS: [Counterpart; 12] = [
     Counterpart { program: "mosquitto", package: "mosquitto", service: Some("mosquitto") },
     Counterpart { program: "mosquitto_sub", package: "mosquitto-clients", service: None },
     Counterpart { program: "influxd", package: "influxdb", service: Some("influxdb") },
@@ -21,6 +22,10 @@ const COUNTERPARTS: [Counterpart; 8] = [
     Counterpart { program: "octave-cli", package: "octave", service: None },
     Counterpart { program: "strace", package: "strace", service: None },
     Counterpart { program: "chromium", package: "chromium", service: None },
+    Counterpart { program: "munged", package: "munge", service: Some("munge") },
+    Counterpart { program: "slurmctld", package: "slurmctld", service: Some("slurmctld") },
+    Counterpart { program: "slurmd", package: "slurmd", service: Some("slurmd") },
+    Counterpart { program: "sbatch", package: "slurm-client", service: None },
 ];
 
 /// Installs what is missing. What this system has no package of is named, and its tests skip.

@@ -72,7 +72,7 @@ fn column(builder: &mut FlatBufferBuilder<'_>, name: &str, kind: ColumnKind) -> 
     let name = builder.create_string(name);
     let start = builder.start_table();
     builder.push_slot_always(field(0), name);
-    builder.push_slot_always(field(1), kind == ColumnKind::Flags);
+    builder.push_slot_always(field(1), kind.is_optional());
     builder.push_slot_always(field(2), type_number);
     builder.push_slot_always(field(3), of_type);
     builder.push_slot_always(field(5), children);
@@ -90,8 +90,8 @@ fn data_type(builder: &mut FlatBufferBuilder<'_>, kind: ColumnKind) -> (u8, Tabl
             builder.push_slot_always(field(1), false);
             2
         }
-        ColumnKind::Number | ColumnKind::Wide => {
-            builder.push_slot_always(field(0), if kind == ColumnKind::Wide { 2_i16 } else { 1 });
+        ColumnKind::Number | ColumnKind::Wide | ColumnKind::Sparse => {
+            builder.push_slot_always(field(0), if kind == ColumnKind::Number { 1_i16 } else { 2 });
             3
         }
         ColumnKind::Text => 5,

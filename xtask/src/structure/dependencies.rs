@@ -25,6 +25,7 @@ const CRATES: [(&str, &[&str]); 17] = [
     ("anemo", &["clap", "nix", "parquet", "serialport"]),
     ("anemo-python", &["clap", "nix", "parquet", "serialport"]),
     ("studies", &["parquet"]),
+    ("sweep", &["parquet"]),
     ("anemo-tests", &["nix", "parquet", "serialport"]),
     ("xtask", &["clap"]),
     ("image-analysis", &[]),
