@@ -126,16 +126,16 @@ def test_the_page_does_what_it_shows(tmp_path):
         (tmp_path / name).symlink_to(ROOT / name)
     beside = os.path.dirname(sys.executable)
     environment = {**os.environ, "PATH": f"{beside}:{os.environ['PATH']}"}
-    blocks = re.findall(r"```(console|matlab)\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
-    assert len(blocks) > 5
-    script = ""
-    for kind, text in blocks:
-        if kind == "matlab":
-            # Octave on a machine without a screen has nothing to draw with.
-            script += re.sub(r"^plot.*$", "", text, flags=re.MULTILINE)
-            continue
-        if script:
-            octave(tmp_path, script)
-        for command in re.findall(r"^\$ (.*)$", text, re.MULTILINE):
+    page = PAGE.read_text(encoding="utf-8")
+    # Octave on a machine without a screen has nothing to draw with.
+    script = re.sub(r"^plot.*$", "", "".join(re.findall(r"```matlab\n(.*?)```", page, re.DOTALL)), flags=re.MULTILINE)
+    before, after = re.findall(r"^\$ (anemo .*)$", page, re.MULTILINE), re.findall(r"^`(anemo identify .*?)`", page, re.MULTILINE)
+    assert (len(before), script.count("assert"), len(after)) == (3, 3, 1)
+    for commands, then in [(before, script), (after, "")]:
+        for command in commands:
             subprocess.run(command, shell=True, check=True, cwd=tmp_path, env=environment, stdout=subprocess.DEVNULL)
-    assert anemo.Model.read(tmp_path / "back.json").inputs == ["power_w_sector1"]
+        octave(tmp_path, then)
+    columns = ["power_w_sector1", "temperature_c_sector1"]
+    run = anemo.load(tmp_path / "prbs.parquet")
+    of_run = anemo.identify({name: run[name] for name in ["time_s", *columns]}, free_poles=3)
+    assert anemo.Model.read(tmp_path / "back.json").steady_gain() == of_run.steady_gain()
