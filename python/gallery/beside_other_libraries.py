@@ -14,9 +14,6 @@ os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "RAYON_NUM_T
 
 import anemo
 import control
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from sippy_unipi import system_identification
@@ -24,8 +21,9 @@ from sysidentpy.basis_function import Polynomial
 from sysidentpy.model_structure_selection import FROLS
 from sysidentpy.parameter_estimation import LeastSquares
 
-folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
-experiments = Path(__file__).resolve().parents[2] / "experiments"
+folder = Path("." if "ipykernel" in sys.modules else [*sys.argv, "."][1])
+root = Path(__file__).resolve().parents[2] if "__file__" in globals() else Path.cwd()
+experiments = root / "experiments"
 
 # %% [markdown]
 # ## Two runs

@@ -11,13 +11,10 @@ import sysconfig
 from pathlib import Path
 
 import anemo
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
+folder = Path("." if "ipykernel" in sys.modules else [*sys.argv, "."][1])
 
 # %% [markdown]
 # ## A head and its experiments

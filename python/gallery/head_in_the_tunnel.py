@@ -10,14 +10,12 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import anemo
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
-quick = Path(__file__).resolve().parents[2] / "experiments/wind/quick"
+folder = Path("." if "ipykernel" in sys.modules else [*sys.argv, "."][1])
+root = Path(__file__).resolve().parents[2] if "__file__" in globals() else Path.cwd()
+quick = root / "experiments/wind/quick"
 
 # %% [markdown]
 # ## Eight runs

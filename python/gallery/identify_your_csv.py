@@ -8,14 +8,11 @@ import sys
 from pathlib import Path
 
 import anemo
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 
-folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
+folder = Path("." if "ipykernel" in sys.modules else [*sys.argv, "."][1])
 TRUE_K_PER_W = {"fan off": {6.0: 3.0, 80.0: 9.0}, "fan on": {6.0: 2.5, 80.0: 4.0}}  # by time constant, s
 
 # %% [markdown]

@@ -13,14 +13,11 @@ import sysconfig
 import urllib.request
 from pathlib import Path
 
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import pandas as pd
 
-folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
-root = Path(__file__).resolve().parents[2]
+folder = Path("." if "ipykernel" in sys.modules else [*sys.argv, "."][1])
+root = Path(__file__).resolve().parents[2] if "__file__" in globals() else Path.cwd()
 UNTIL_S = 240  # of the instrument's time: six seconds here
 # %% [markdown]
 # ## An instrument

@@ -9,14 +9,11 @@ import time
 from pathlib import Path
 
 import anemo
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 import PyRth
 
-folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
+folder = Path("." if "ipykernel" in sys.modules else [*sys.argv, "."][1])
 CAPACITY_J_PER_K = np.array([0.02, 0.3, 5.0])
 RESISTANCE_K_PER_W = np.array([1.5, 2.0, 4.0])
 

@@ -25,8 +25,8 @@ def test_a_script_of_the_gallery_runs_and_keeps_its_claims(name, tmp_path):
     missing = [library for library in NEEDS[name] if importlib.util.find_spec(library) is None]
     if missing:
         pytest.skip(f"{', '.join(missing)} is not installed: pip install -r python/gallery/requirements.txt")
-    # Libraries write their caches where they are told.
-    environment = {**os.environ, "MPLCONFIGDIR": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path)}
+    # No window; libraries write their caches where they are told.
+    environment = {**os.environ, "MPLBACKEND": "Agg", "MPLCONFIGDIR": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path)}
     command = [sys.executable, GALLERY / f"{name}.py", tmp_path]
     done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stdout + done.stderr
