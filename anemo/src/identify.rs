@@ -10,7 +10,8 @@ use crate::identify_page;
 use crate::output::Failure;
 use crate::picture::PictureArguments;
 use diffusive::identify::Signs;
-use diffusive::identify::record::{RecordError, RecordSource, RecordStream, Selection, TimeUnit};
+use diffusive::identify::parts::{identify_parts, join_files, refuse_incomplete};
+use diffusive::identify::record::{RecordError, RecordSource as _, RecordStream, Selection, Survey, TimeUnit};
 use diffusive::identify::report::IdentifyReport;
 use diffusive::identify::{Constraints, DriftGiven, DriftKind, InitialState, Losses};
 use diffusive::identify::{GasGiven, IdentifyOptions, identify};
@@ -50,12 +51,30 @@ Examples:
 A row holds the outputs at its time, and the inputs from then on.")]
 pub struct Arguments {
     /// The record: .parquet or .csv files; several are segments of one record, or one segment where
-    /// each goes on where the one before ended.
+    /// each goes on where the one before ended. Or the sums of all of its parts, .gram files of
+    /// `anemo gram`, in any order.
     #[arg(required = true, value_name = "RECORD")]
     records: Vec<PathBuf>,
     /// Write the model to this .json file.
     #[arg(short, long, value_name = "FILE")]
     output_file: Option<PathBuf>,
+    #[command(flatten)]
+    model: ModelOptions,
+    #[command(flatten)]
+    picture: PictureArguments,
+    /// Write a report into this .html file: record, gains, fit, choices, warnings, what the next
+    /// record should be, and the pictures. It needs no other file, and prints on A4.
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+    /// Print one JSON object instead of the summary.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What is asked of a model, and of which columns: the same for a record and for a plan of its
+/// parts.
+#[derive(clap::Args)]
+pub struct ModelOptions {
     #[command(flatten)]
     columns: Columns,
     /// `symbol`: a time-constant spectrum a class; `conductance`: one spectrum, and a conductance a
@@ -107,12 +126,6 @@ pub struct Arguments {
     /// Samples by which the output is late.
     #[arg(long, value_name = "SAMPLES", allow_negative_numbers = true, value_parser = samples)]
     dead_time: Option<usize>,
-    #[command(flatten)]
-    picture: PictureArguments,
-    /// Write a report into this .html file: record, gains, fit, choices, warnings, what the next
-    /// record should be, and the pictures. It needs no other file, and prints on A4.
-    #[arg(long, value_name = "FILE")]
-    report: Option<PathBuf>,
     /// Number of free rates of an output, 1 to 8, for a small model; the fit starts from that on
     /// the grid.
     #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = at_least_one, conflicts_with_all = ["cross_order", "cross_mesh", "tie"])]
@@ -137,9 +150,6 @@ pub struct Arguments {
         ("correlated", "A level that returns within a correlation time", DriftGiven::Kind(DriftKind::Correlated)),
     ]))]
     drift: DriftGiven,
-    /// Print one JSON object instead of the summary.
-    #[arg(long)]
-    json: bool,
 }
 
 /// Which columns play which part: the same for every command that takes a record.
@@ -236,8 +246,24 @@ impl From<RecordError> for Failure {
     }
 }
 
-impl Arguments {
-    fn selection(&self) -> (Selection, GasGiven) {
+impl ModelOptions {
+    /// Refuses any option where those of the plan hold, in `what`.
+    pub fn refuse_any(&self, what: &str) -> Result<(), Failure> {
+        let (selection, gas) = self.selection();
+        let is_default = self.non_negative == "auto"
+            && self.reference.is_none()
+            && selection == Selection::default()
+            && self.asked(gas, Signs::Choose) == IdentifyOptions { losses: Losses::Auto, ..IdentifyOptions::default() };
+        if is_default {
+            return Ok(());
+        }
+        Err(Failure::usage(format!(
+            "options of columns and model belong to the plan of the parts: give them to `anemo gram` when it makes the plan, and not to `{what}`"
+        )))
+    }
+
+    /// Which columns play which part, and where the temperature of the gas is from.
+    pub fn selection(&self) -> (Selection, GasGiven) {
         if let Some(column) = &self.ambient {
             return (Selection { gas: Some(column.clone()), ..self.columns.selection() }, GasGiven::Unknown);
         }
@@ -251,7 +277,8 @@ impl Arguments {
         (Selection { gas, ..self.columns.selection() }, given)
     }
 
-    fn options(&self, source: &dyn RecordSource, gas: GasGiven) -> Result<IdentifyOptions, Failure> {
+    /// What is asked of the model of a record.
+    pub fn options(&self, survey: &Survey, gas: GasGiven) -> Result<IdentifyOptions, Failure> {
         let is_conductance = self.structure == Some(Structure::Conductance);
         for (name, is_given) in
             [("--gas-temperature", self.gas_temperature.is_some()), ("--reference", self.reference.is_some())]
@@ -275,6 +302,10 @@ impl Arguments {
         if self.ridge.is_some_and(|ridge| !(ridge.is_finite() && ridge >= 0.0)) {
             return Err(Failure::usage("--ridge must be a number of at least 0"));
         }
+        Ok(self.asked(gas, self.signs(survey)?))
+    }
+
+    fn asked(&self, gas: GasGiven, signs: Signs) -> IdentifyOptions {
         let constraints = Constraints {
             order: self.order,
             edges_rad_s: self.mesh,
@@ -288,10 +319,10 @@ impl Arguments {
             edges_rad_s: self.cross_mesh,
             ..Constraints::default()
         });
-        Ok(IdentifyOptions {
+        IdentifyOptions {
             structure: self.structure,
             constraints,
-            signs: self.signs(source)?,
+            signs,
             cross,
             gas,
             reference: self.reference.clone(),
@@ -300,11 +331,10 @@ impl Arguments {
             losses: self.losses,
             drift: self.drift,
             follow_ambient: self.ambient.is_some(),
-        })
+        }
     }
 
-    fn signs(&self, source: &dyn RecordSource) -> Result<Signs, Failure> {
-        let survey = source.survey();
+    fn signs(&self, survey: &Survey) -> Result<Signs, Failure> {
         match self.non_negative.as_str() {
             "auto" => Ok(Signs::Choose),
             "all" => Ok(Signs::AllPositive),
@@ -360,9 +390,12 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(path) = &arguments.report {
         crate::output::writable(path, "a report", "html")?;
     }
-    let (selection, gas) = arguments.selection();
+    if arguments.records.iter().any(|path| is_gram(path)) {
+        return identify_sums(arguments);
+    }
+    let (selection, gas) = arguments.model.selection();
     let mut stream = RecordStream::open_all(&arguments.records, &selection).map_err(Failure::usage)?;
-    let options = arguments.options(&stream, gas)?;
+    let options = arguments.model.options(stream.survey(), gas)?;
     let canvas = arguments.picture.canvas()?;
     let mut fits = FitRecorder::new(canvas.is_some() || arguments.report.is_some(), stream.survey());
     let model = identify(&mut stream, &options, &mut progress_bar(), &mut |seen| fits.see(seen))?;
@@ -378,5 +411,31 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(canvas) = canvas {
         canvas.draw(&figure(&model, &fits)).map_err(Failure::work)?;
     }
+    crate::output::print_report(&report, arguments.json)
+}
+
+/// Whether a file has sums by its name.
+pub fn is_gram(path: &Path) -> bool {
+    path.extension().is_some_and(|own| own.eq_ignore_ascii_case("gram"))
+}
+
+/// The model of a record of which the sums are at hand.
+fn identify_sums(arguments: &Arguments) -> Result<(), Failure> {
+    if let Some(record) = arguments.records.iter().find(|path| !is_gram(path)) {
+        return Err(Failure::in_file(record, "is no .gram file, as others are: name sums or records, not both"));
+    }
+    if arguments.picture.path().is_some() || arguments.report.is_some() {
+        return Err(Failure::usage(
+            "pictures and reports show rows, which sums do not have: leave out --plot and --report",
+        ));
+    }
+    arguments.model.refuse_any("anemo identify")?;
+    let (plan, sums) = join_files(&arguments.records)?;
+    refuse_incomplete(&plan, &sums)?;
+    let model = identify_parts(&plan, sums, &mut progress_bar())?;
+    if let Some(path) = &arguments.output_file {
+        model.write(path).map_err(Failure::work)?;
+    }
+    let report = IdentifyReport { model: &model, notes: plan.notes(), written: arguments.output_file.as_deref() };
     crate::output::print_report(&report, arguments.json)
 }

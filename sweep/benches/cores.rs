@@ -94,7 +94,7 @@ fn pairs(what: &str, mut one: impl FnMut() -> f64, mut other: impl FnMut() -> f6
 fn main() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
-    pairs("1000 runs of 30 s, one core and two", || sweep_s(folder, 1000, 30.0, 1), || sweep_s(folder, 1000, 30.0, 2));
+    pairs("1000 runs of 10 s, one core and two", || sweep_s(folder, 1000, 10.0, 1), || sweep_s(folder, 1000, 10.0, 2));
     // About 1 s of computing each.
     pairs(
         "3 runs of 2400 s, as a sweep and by themselves",

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde_json::{Map, Value};
+use tempfile::TempDir;
 
 use crate::columns::{flatten, identifier};
 use crate::error::RunFailure;
@@ -32,32 +33,38 @@ impl Plan {
             return Ok(result);
         }
         let attempt = own.begin().map_err(RunFailure::unwritten(own.path()))?;
-        let outcome = self.conduct(place, attempt.path(), interrupted).map_err(|failure| match failure {
-            // Whoever reads the sentence finds the file where it comes to lie.
-            RunFailure::Failed(sentence) => {
-                RunFailure::Failed(sentence.replace(&*attempt.path().to_string_lossy(), &own.path().to_string_lossy()))
+        let done = self.attempt(place, &own, attempt, interrupted);
+        if let Err(RunFailure::Failed(sentence)) = &done {
+            // Another process may have completed it meanwhile, and cleared this one's folder.
+            if let Some(result) = self.complete(&own, place) {
+                return Ok(result);
             }
-            other => other,
-        });
+            own.fail(sentence).map_err(RunFailure::unwritten(own.path()))?;
+        }
+        done
+    }
+
+    /// Does a run in a folder of its own, and hands its files over.
+    fn attempt(
+        &self,
+        place: usize,
+        own: &RunFolder,
+        attempt: TempDir,
+        interrupted: &AtomicBool,
+    ) -> Result<RunResult, RunFailure> {
+        let outcome = self.conduct(place, attempt.path(), interrupted);
         if matches!(outcome, Err(RunFailure::Interrupted)) {
             return Err(RunFailure::Interrupted);
         }
-        // Another process may have completed it meanwhile, and cleared this one's folder.
-        if let (Err(_), Some(result)) = (&outcome, own.result()) {
-            return Ok(result);
+        let (before, after) = (attempt.path().to_owned(), own.path());
+        let result = outcome.map(|results| RunResult::new(&self.runs()[place].hash, results));
+        if let Ok(result) = &result {
+            RunFolder::write_result(&before, result).map_err(RunFailure::unwritten(&before))?;
         }
-        own.take(attempt).map_err(RunFailure::unwritten(own.path()))?;
-        match outcome {
-            Ok(results) => {
-                let result = RunResult::new(&planned.hash, results);
-                own.finish(&result).map_err(RunFailure::unwritten(own.path()))?;
-                Ok(result)
-            }
-            Err(failure) => {
-                own.fail(&failure.to_string()).map_err(RunFailure::unwritten(own.path()))?;
-                Err(failure)
-            }
-        }
+        own.take(attempt).map_err(RunFailure::unwritten(after))?;
+        // Whoever reads the sentence finds the file where it comes to lie.
+        let moved = |sentence: String| sentence.replace(&*before.to_string_lossy(), &after.to_string_lossy());
+        result.map_err(|failure| RunFailure::Failed(moved(failure.to_string())))
     }
 
     /// The same by the run's hash.
@@ -102,7 +109,11 @@ impl Plan {
             if interrupted.load(Ordering::Relaxed) {
                 return Err(RunFailure::Interrupted);
             }
-            step.run(&self.program, folder, &places, &mut results)?;
+            let done = step.run(&self.program, folder, &places, &mut results);
+            // A terminal interrupts the step as well, which is then no failure of its own.
+            done.map_err(
+                |failure| if interrupted.load(Ordering::Relaxed) { RunFailure::Interrupted } else { failure },
+            )?;
         }
         if !self.file.keeps_recordings {
             recordings.iter().try_for_each(fs::remove_file).map_err(RunFailure::unwritten(folder))?;

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 use twox_hash::XxHash3_128;
 
+use crate::error::EntryError;
 use crate::sweep_file::{SweepFile, VariedPlace};
 use recording::toml_file::{FileError, TomlSource};
 
@@ -125,7 +126,7 @@ impl Documents {
     ///
     /// # Errors
     /// The place of the key that leads nowhere, and a sentence.
-    pub fn expand(&self, file: &SweepFile, values: &[Value]) -> Result<ExpandedRun, (usize, String)> {
+    pub fn expand(&self, file: &SweepFile, values: &[Value]) -> Result<ExpandedRun, (usize, EntryError)> {
         let folder = folder_of(&file.source.path);
         let given = |wanted: &VariedPlace| {
             let of = file.keys.iter().zip(values).find(|(key, _)| key.places.contains(wanted));
@@ -150,7 +151,7 @@ impl Documents {
         path: &Path,
         head: Option<&Path>,
         models: Option<&Path>,
-    ) -> Result<ExpandedExperiment, (usize, String)> {
+    ) -> Result<ExpandedExperiment, (usize, EntryError)> {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let mut experiment = self.documents[path].table.clone();
         let head = head.map(Path::to_owned).or_else(|| named_in(path, &experiment, "head"));
@@ -167,7 +168,7 @@ impl Documents {
         for (place, (key, value)) in file.keys.iter().zip(values).enumerate() {
             for varied in &key.places {
                 let into = |document: Option<&Document>, changed: &mut Option<Table>, path: &crate::key::KeyPath| {
-                    let document = document.ok_or("the experiment names no such file")?;
+                    let document = document.ok_or(EntryError::from("the experiment names no such file"))?;
                     path.set(changed.get_or_insert_with(|| document.table.clone()), value)
                 };
                 let put = match varied {

@@ -26,6 +26,23 @@ impl SweepError {
     }
 }
 
+/// What is wrong with an entry of a sweep file, without its place: a sentence's end.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub(crate) struct EntryError(pub String);
+
+impl From<&str> for EntryError {
+    fn from(sentence: &str) -> Self {
+        Self(sentence.to_owned())
+    }
+}
+
+impl AsRef<str> for EntryError {
+    fn as_ref(&self) -> &str {
+        &self.0
+    }
+}
+
 /// Why one run is not done.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum RunFailure {

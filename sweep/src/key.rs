@@ -6,6 +6,8 @@
 
 use toml::{Table, Value};
 
+use crate::error::EntryError;
+
 /// Where a value goes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct KeyPath(Vec<KeyStep>);
@@ -22,7 +24,7 @@ impl KeyPath {
     ///
     /// # Errors
     /// What is wrong with it.
-    pub fn parse(text: &str) -> Result<Self, String> {
+    pub fn parse(text: &str) -> Result<Self, EntryError> {
         let step = |step: &str| {
             let (name, index) = match step.split_once('[') {
                 Some((name, index)) => (name, Some(index.strip_suffix(']')?.parse().ok()?)),
@@ -31,19 +33,21 @@ impl KeyPath {
             (!name.is_empty()).then(|| KeyStep { name: name.to_owned(), index })
         };
         let steps: Option<Vec<KeyStep>> = text.split('.').map(step).collect();
-        steps.map(Self).ok_or_else(|| format!("is `{text}`: a key reads as `gas.temperature_c` or `wind[0].speed_m_s`"))
+        steps.map(Self).ok_or_else(|| {
+            EntryError(format!("is `{text}`: a key reads as `gas.temperature_c` or `wind[0].speed_m_s`"))
+        })
     }
 
     /// Puts a value there.
     ///
     /// # Errors
     /// Where the document has something else on the way.
-    pub fn set(&self, document: &mut Table, value: &Value) -> Result<(), String> {
+    pub fn set(&self, document: &mut Table, value: &Value) -> Result<(), EntryError> {
         set(document, &self.0, value)
     }
 }
 
-fn set(table: &mut Table, steps: &[KeyStep], value: &Value) -> Result<(), String> {
+fn set(table: &mut Table, steps: &[KeyStep], value: &Value) -> Result<(), EntryError> {
     let [KeyStep { name, index }, deeper @ ..] = steps else { return Ok(()) };
     if deeper.is_empty() && index.is_none() {
         table.insert(name.clone(), value.clone());
@@ -53,24 +57,26 @@ fn set(table: &mut Table, steps: &[KeyStep], value: &Value) -> Result<(), String
     match (found, index) {
         (Value::Array(list), Some(index)) => {
             let length = list.len();
-            let item = list.get_mut(*index).ok_or_else(|| format!("`{name}` has {length} entries, counted from 0"))?;
+            let item = list
+                .get_mut(*index)
+                .ok_or_else(|| EntryError(format!("`{name}` has {length} entries, counted from 0")))?;
             set_in(name, item, deeper, value)
         }
         (Value::Array(list), None) => list.iter_mut().try_for_each(|item| set_in(name, item, deeper, value)),
-        (_, Some(index)) => Err(format!("`{name}` is no list that could have an entry {index}")),
+        (_, Some(index)) => Err(EntryError(format!("`{name}` is no list that could have an entry {index}"))),
         (found, None) => set_in(name, found, deeper, value),
     }
 }
 
 /// What stands behind a name becomes the value, or has the rest of the key in it.
-fn set_in(name: &str, found: &mut Value, deeper: &[KeyStep], value: &Value) -> Result<(), String> {
+fn set_in(name: &str, found: &mut Value, deeper: &[KeyStep], value: &Value) -> Result<(), EntryError> {
     match (deeper, found) {
         ([], found) => {
             *found = value.clone();
             Ok(())
         }
         (_, Value::Table(table)) => set(table, deeper, value),
-        ([next, ..], _) => Err(format!("`{name}` is no table that could have a key `{}`", next.name)),
+        ([next, ..], _) => Err(EntryError(format!("`{name}` is no table that could have a key `{}`", next.name))),
     }
 }
 
@@ -78,7 +84,7 @@ fn set_in(name: &str, found: &mut Value, deeper: &[KeyStep], value: &Value) -> R
 mod tests {
     use super::*;
 
-    fn after(text: &str, key: &str, value: impl Into<Value>) -> Result<String, String> {
+    fn after(text: &str, key: &str, value: impl Into<Value>) -> Result<String, EntryError> {
         let mut document: Table = text.parse().unwrap();
         KeyPath::parse(key)?.set(&mut document, &value.into())?;
         Ok(document.to_string())
@@ -96,7 +102,7 @@ mod tests {
 
     #[test]
     fn what_leads_nowhere_is_refused_with_its_name() {
-        let refused = |key| after("a = 1\nn = [1]\n", key, 2).unwrap_err();
+        let refused = |key| after("a = 1\nn = [1]\n", key, 2).unwrap_err().0;
         assert_eq!(refused("a.b"), "`a` is no table that could have a key `b`");
         assert_eq!(refused("n[1]"), "`n` has 1 entries, counted from 0");
         assert_eq!(refused("a[1]"), "`a` is no list that could have an entry 1");

@@ -131,8 +131,7 @@ impl Plan {
     /// run that failed is settled.
     pub fn missing(&self, folder: &Path, of: usize) -> Vec<MissingShard> {
         let settled = |place: &usize| {
-            let own = RunFolder::new(folder, &self.runs[*place].hash);
-            own.result().is_some() || own.failed().is_some()
+            self.is_complete(*place, folder) || RunFolder::new(folder, &self.runs[*place].hash).failed().is_some()
         };
         let mut shards: Vec<MissingShard> =
             (1..=of).map(|shard| MissingShard { shard, of, missing: 0, runs: 0 }).collect();

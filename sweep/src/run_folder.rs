@@ -91,27 +91,32 @@ impl RunFolder {
         Some(failed.sentence)
     }
 
-    /// Takes over the files of an attempt.
-    pub fn take(&self, attempt: TempDir) -> io::Result<()> {
-        for file in fs::read_dir(attempt.path())? {
-            let file = file?;
-            fs::rename(file.path(), self.path.join(file.file_name()))?;
-        }
-        attempt.close()
+    /// Writes the results into the folder of an attempt.
+    pub fn write_result(attempt: &Path, result: &RunResult) -> io::Result<()> {
+        fs::write(attempt.join(RESULT), serde_json::to_vec(result)?)
     }
 
-    /// Completes the run, and clears what killed attempts have left.
-    pub fn finish(&self, result: &RunResult) -> io::Result<()> {
-        for left in fs::read_dir(&self.path)?.flatten() {
+    /// Takes over the files of an attempt, the results last. None waits for the disk: what a power
+    /// cut leaves of them cannot be read, and the run is done again.
+    pub fn take(&self, attempt: TempDir) -> io::Result<()> {
+        let mut names: Vec<_> =
+            fs::read_dir(attempt.path())?.map(|file| Ok(file?.file_name())).collect::<io::Result<_>>()?;
+        names.sort_by_key(|name| name == RESULT);
+        names.iter().try_for_each(|name| fs::rename(attempt.path().join(name), self.path.join(name)))?;
+        if names.last().is_some_and(|name| name == RESULT) {
+            self.clear();
+        }
+        Ok(())
+    }
+
+    /// Removes what earlier attempts have left, which only takes room: an attempt that goes on
+    /// elsewhere finds the results.
+    fn clear(&self) {
+        let _ = fs::remove_file(self.path.join(FAILED));
+        for left in fs::read_dir(&self.path).into_iter().flatten().flatten() {
             if left.file_name().to_string_lossy().starts_with(ATTEMPT) {
-                // It only takes room; an attempt that goes on elsewhere finds the results below.
                 let _ = fs::remove_dir_all(left.path());
             }
-        }
-        Temporary::write(&self.path.join(RESULT), &serde_json::to_vec(result)?)?;
-        match fs::remove_file(self.path.join(FAILED)) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
-            _ => Ok(()),
         }
     }
 

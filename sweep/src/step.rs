@@ -15,7 +15,7 @@ use recording::Temporary;
 use serde_json::{Map, Value};
 
 use crate::columns::{flatten, identifier};
-use crate::error::RunFailure;
+use crate::error::{EntryError, RunFailure};
 
 /// Where steps' messages go.
 const LOG: &str = "steps.log";
@@ -46,18 +46,19 @@ impl StepCommand {
     ///
     /// # Errors
     /// What is wrong with it.
-    pub fn parse(line: &str) -> Result<Self, String> {
-        let mut words = shlex::split(line).ok_or_else(|| format!("is `{line}`, in which a quote is not closed"))?;
+    pub fn parse(line: &str) -> Result<Self, EntryError> {
+        let mut words =
+            shlex::split(line).ok_or_else(|| EntryError(format!("is `{line}`, in which a quote is not closed")))?;
         if words.first().is_some_and(|first| first == "anemo") {
             words.remove(0);
         }
         let named: Vec<&str> =
             words.iter().map(String::as_str).take_while(|word| word.bytes().all(|b| b.is_ascii_lowercase())).collect();
         match named.first() {
-            None => {
-                Err(format!("is `{line}`: a command of anemo belongs here, such as `identify {{recording}} --json`"))
-            }
-            Some(&"sweep") => Err("is a sweep in a sweep: it would have no end".to_owned()),
+            None => Err(EntryError(format!(
+                "is `{line}`: a command of anemo belongs here, such as `identify {{recording}} --json`"
+            ))),
+            Some(&"sweep") => Err("is a sweep in a sweep: it would have no end".into()),
             Some(_) => Ok(Self { name: identifier(&named.join("_")), words }),
         }
     }

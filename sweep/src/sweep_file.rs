@@ -7,6 +7,7 @@ use glob::Pattern;
 use serde::Deserialize;
 use toml::Value;
 
+use crate::error::EntryError;
 use crate::key::KeyPath;
 use crate::sampling::{Points, SampleSet};
 use crate::step::StepCommand;
@@ -228,7 +229,7 @@ fn varied(
     let refuse = |key: &str, sentence: String| source.refuse(&format!("vary[{place}].{key}"), sentence);
     let names = words(&table.key).ok_or_else(|| refuse("key", "is no key and no list of keys".to_owned()))?;
     let places = names.iter().map(|name| place_of(name)).collect::<Result<Vec<_>, _>>();
-    let places = places.map_err(|wrong| refuse("key", wrong))?;
+    let places = places.map_err(|wrong| refuse("key", wrong.0))?;
     let is_file = !matches!(places[0], VariedPlace::Experiment(_) | VariedPlace::Head(_) | VariedPlace::Models(_));
     let points = match (table.values, table.range, table.files) {
         (Some(values), None, None) if !values.is_empty() => Points::Listed(values),
@@ -256,7 +257,7 @@ fn varied(
             Points::Between { low, high, is_log, is_whole: table.whole, steps }
         }
         (None, None, Some(pattern)) if is_file => {
-            Points::Listed(files(folder, &pattern).map_err(|wrong| refuse("files", wrong))?)
+            Points::Listed(files(folder, &pattern).map_err(|wrong| refuse("files", wrong.0))?)
         }
         (None, None, Some(_)) => {
             let sentence = "are for the keys `experiment`, `head`, `models` and `recording`".to_owned();
@@ -278,7 +279,7 @@ fn varied(
     Ok(VariedKey { column: crate::columns::identifier(&names[0]), name: names[0].clone(), places, points })
 }
 
-fn place_of(name: &str) -> Result<VariedPlace, String> {
+fn place_of(name: &str) -> Result<VariedPlace, EntryError> {
     Ok(match name {
         "experiment" => VariedPlace::ExperimentFile,
         "head" => VariedPlace::HeadFile,
@@ -293,7 +294,7 @@ fn place_of(name: &str) -> Result<VariedPlace, String> {
 }
 
 /// The experiments of a path, a pattern, or a list of them.
-fn experiments(folder: &Path, value: &Value) -> Result<Vec<PathBuf>, String> {
+fn experiments(folder: &Path, value: &Value) -> Result<Vec<PathBuf>, EntryError> {
     let named = words(value).ok_or("is no path and no list of paths")?;
     let mut all = Vec::new();
     for name in named {
@@ -307,20 +308,21 @@ fn experiments(folder: &Path, value: &Value) -> Result<Vec<PathBuf>, String> {
 }
 
 /// The files of a pattern, which counts from the folder of the sweep file, as paths from there.
-fn files(folder: &Path, pattern: &str) -> Result<Vec<Value>, String> {
+fn files(folder: &Path, pattern: &str) -> Result<Vec<Value>, EntryError> {
+    let refused = |why: String| EntryError(format!("is `{pattern}`: {why}"));
     let whole = Pattern::escape(&folder.to_string_lossy());
     let whole = Path::new(&whole).join(pattern);
-    let found = glob::glob(&whole.to_string_lossy()).map_err(|error| format!("is `{pattern}`: {error}"))?;
+    let found = glob::glob(&whole.to_string_lossy()).map_err(|error| refused(error.to_string()))?;
     let mut files = Vec::new();
     for file in found {
-        let file = file.map_err(|error| format!("is `{pattern}`: {error}"))?;
+        let file = file.map_err(|error| refused(error.to_string()))?;
         // A pattern with `..` leads out of the folder again.
         let from_folder = file.strip_prefix(folder).unwrap_or(&file);
         if file.is_file() {
             files.push(Value::String(from_folder.to_string_lossy().into_owned()));
         }
     }
-    if files.is_empty() { Err(format!("is `{pattern}`: there is no such file")) } else { Ok(files) }
+    if files.is_empty() { Err(refused("there is no such file".to_owned())) } else { Ok(files) }
 }
 
 fn outlier_search(source: &TomlSource, table: OutlierTable, keys: &[VariedKey]) -> Result<OutlierSearch, FileError> {

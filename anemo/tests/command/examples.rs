@@ -28,9 +28,9 @@ const FIRST: [&str; 13] = [
     "wind",
 ];
 
-/// What is only parsed: a user's own table, a board and its log, the emulator, a killed program,
-/// studies of minutes.
-const PARSED: [&str; 14] = [
+/// What is only parsed: a user's own table, a board and its log, the emulator, a cluster, a killed
+/// program, studies of minutes.
+const PARSED: [&str; 15] = [
     "calibrate speeds.csv",
     "head compare",
     " mast/",
@@ -38,6 +38,7 @@ const PARSED: [&str; 14] = [
     "scpi:",
     "--on qemu",
     "anemo recover",
+    "--slurm",
     "anemo combine",
     "wind everywhere.parquet",
     "wind today.parquet",

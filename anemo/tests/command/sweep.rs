@@ -77,6 +77,8 @@ fn what_fails_or_is_missing_or_wrong_has_its_exit_code_and_sentence() {
     assert_eq!(Recording::read(&folder.join("parts/results.parquet")).unwrap().len(), 2);
     let nothing = refused(folder, &words("sweep sweep.toml -o none --gather"), 2);
     assert!(nothing.contains("none: there is no such folder"), "{nothing}");
+    let no_experiment = refused(folder, &words("run sweep.toml --on sim"), 2);
+    assert!(no_experiment.contains("sweep.toml: is a sweep, which `anemo sweep` runs"), "{no_experiment}");
     refused(folder, &words("sweep sweep.toml --shard 3/2"), 2);
     refused(folder, &words("sweep sweep.toml --jobs 0"), 2);
     write_sweep(folder, 1.0, 2, "then = [\"identify {recording} --ordr 3\"]\n");

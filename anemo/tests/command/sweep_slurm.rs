@@ -2,7 +2,6 @@
 //! their own, ended by their process numbers. `cargo xtask counterparts` brings the programs.
 
 use std::fs;
-use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
@@ -27,6 +26,14 @@ fn has_programs() -> bool {
     missing.is_none()
 }
 
+/// Ports for controller and nodes.
+#[allow(clippy::disallowed_types, reason = "asks for ports that are free, and hears nothing")]
+fn free_ports() -> [u16; 3] {
+    // Held all at once, so that they differ.
+    let held = [(); 3].map(|()| std::net::TcpListener::bind("127.0.0.1:0").unwrap());
+    held.map(|listener| listener.local_addr().unwrap().port())
+}
+
 /// A cluster of two nodes with one core each.
 struct Cluster {
     folder: PathBuf,
@@ -39,10 +46,7 @@ impl Cluster {
             fs::create_dir_all(folder.join(sub)).unwrap();
         }
         let at = |name: &str| folder.join(name).display().to_string();
-        // Held all at once, so that they differ.
-        let free: Vec<TcpListener> = (0..3).map(|_| TcpListener::bind("127.0.0.1:0").unwrap()).collect();
-        let port: Vec<u16> = free.iter().map(|listener| listener.local_addr().unwrap().port()).collect();
-        drop(free);
+        let port = free_ports();
         let user = String::from_utf8(Command::new("id").arg("-un").output().unwrap().stdout).unwrap();
         let user = user.trim();
         let node = |name: &str, port: u16| {

@@ -4,10 +4,10 @@ use nalgebra::DMatrix;
 
 use super::design::RegressionDesign;
 use super::gas_source::GasSource;
-use super::gram::Gram;
+use super::gram::{Gram, in_places};
 use super::panels::{self, BATCH, LANES, Panel, Tile};
 use super::record::Block;
-use super::rows::RegressionRows;
+use super::rows::{RegressionRows, RowStates};
 use super::segment::{LaterSegment, with_starts};
 
 /// One pass over a record for one design.
@@ -26,14 +26,37 @@ pub struct Accumulator {
     folds: Vec<Gram>,
     /// First row behind every fold but the last.
     borders: Vec<u64>,
-    /// States behind every fold.
+    /// States behind every fold, from the one on in which reading began.
     ends: Vec<Vec<f64>>,
+    first_end: usize,
+    /// States in the first row that says something, if it was read.
+    first: Option<Vec<f64>>,
+    /// Sums of the folds that were read of a part.
+    exact: Option<Vec<ExactSums>>,
+    /// Whether products are summed, or states followed only.
+    is_summing: bool,
     /// With the decays that later segments begin with, and how many those are.
     design: RegressionDesign,
     starts: usize,
     row: u64,
     /// Rows at the beginning that say nothing: what drove them stood before the record.
     lead: u64,
+}
+
+/// Sums of a fold and what rounding took from them.
+pub struct ExactSums {
+    pub fold: usize,
+    pub rows: u64,
+    pub sums: [DMatrix<f64>; 2],
+}
+
+/// A part of a record: its sums by fold, states behind the folds that ended in it, in the first row
+/// that says something, and behind the last row.
+pub struct AccumulatedPart {
+    pub folds: Vec<ExactSums>,
+    pub ends: Vec<(usize, Vec<f64>)>,
+    pub first: Option<Vec<f64>>,
+    pub states: RowStates,
 }
 
 impl Accumulator {
@@ -61,12 +84,58 @@ impl Accumulator {
             folds: vec![Gram::empty(design.width()); folds],
             borders: (1..folds as u64).map(|fold| expected_rows * fold / folds as u64).collect(),
             ends: Vec::with_capacity(folds),
+            first_end: 0,
+            first: None,
+            exact: None,
+            is_summing: true,
             row: 0,
             lead: design.longest_delay() as u64,
             design,
         }
     }
 
+    /// Follows states only.
+    #[must_use]
+    pub fn without_sums(self) -> Self {
+        Self { is_summing: false, ..self }
+    }
+
+    /// Reads a part of the record, from a row on in which these are the states; from the first
+    /// without any.
+    #[must_use]
+    pub fn of_part(mut self, row: u64, states: Option<&RowStates>, first_gas_c: Option<f64>) -> Self {
+        if let Some(states) = states {
+            self.rows.resume(states, first_gas_c);
+        }
+        // The states behind a fold that ends with the row before are these.
+        self.at = self.borders.partition_point(|&border| border < row);
+        self.first_end = self.at;
+        (self.row, self.segment_row) = (row, row);
+        self.exact = Some(Vec::new());
+        self
+    }
+
+    pub fn states(&self) -> RowStates {
+        self.rows.states_and_late()
+    }
+
+    /// What was read of a part.
+    pub fn into_part(mut self) -> AccumulatedPart {
+        self.end_part();
+        let states = self.rows.states_and_late();
+        let ends = (self.first_end..).zip(self.ends).collect();
+        AccumulatedPart { folds: self.exact.unwrap_or_default(), ends, first: self.first, states }
+    }
+
+    /// States of all columns, as the next row has them.
+    pub fn column_states(&self) -> Vec<f64> {
+        let mut states = self.rows.states();
+        states[self.design.decays().end] = 1.0;
+        states
+    }
+
+    /// Takes the next rows: up to a multiple of [`BATCH`] of them, unless they are the last, so
+    /// that the same rows are batches however a record is cut.
     pub fn push(&mut self, block: &Block, gas: GasSource) {
         if block.begins_segment && self.row > 0 {
             self.end_segment();
@@ -80,7 +149,10 @@ impl Accumulator {
             while self.borders.get(self.at).is_some_and(|&border| border <= self.row) {
                 self.end_fold();
             }
-            let mut rows = BATCH.min(block.len() - from);
+            let mut rows = (BATCH - (self.row % BATCH as u64) as usize).min(block.len() - from);
+            if self.segment_row == self.lead && self.later.is_none() {
+                self.first = Some(self.column_states());
+            }
             if let Some(&border) = self.borders.get(self.at) {
                 rows = rows.min((border - self.row) as usize);
             }
@@ -92,7 +164,7 @@ impl Accumulator {
             let until = missing.peek().map_or(rows, |&next| next - from);
             rows = if is_missing { 1 } else { rows.min(until) };
             self.rows.fill(block, gas, from, rows, &mut self.panels);
-            if !is_lead && !is_missing {
+            if self.is_summing && !is_lead && !is_missing {
                 panels::add_products(&self.panels, self.rows.is_live(), self.rows.width(), rows, &mut self.tiles);
                 self.part_rows += rows as u64;
             }
@@ -104,7 +176,10 @@ impl Accumulator {
 
     /// Adds what was read since to the fold.
     fn end_part(&mut self) {
-        if self.part_rows > 0 {
+        if let (Some(exact), 1..) = (&mut self.exact, self.part_rows) {
+            let sums = in_places(&self.tiles, self.rows.width());
+            exact.push(ExactSums { fold: self.at, rows: self.part_rows, sums });
+        } else if self.part_rows > 0 {
             let part = Gram::of(&self.tiles, self.rows.width(), self.part_rows);
             match &mut self.later {
                 None => self.folds[self.at].add(&part),
@@ -117,9 +192,7 @@ impl Accumulator {
 
     fn end_fold(&mut self) {
         self.end_part();
-        let mut states = self.rows.states();
-        states[self.design.decays().end] = 1.0;
-        self.ends.push(states);
+        self.ends.push(self.column_states());
         if let Some(segment) = &mut self.later {
             segment.end_fold(self.at);
         }

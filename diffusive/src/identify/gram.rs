@@ -17,6 +17,26 @@ pub struct Starts {
     pub rows: f64,
 }
 
+/// The sums in tiles, and what rounding took from each, as symmetric matrices.
+pub fn in_places(tiles: &[Tile], width: usize) -> [DMatrix<f64>; 2] {
+    [0, 1].map(|of| {
+        let mut matrix = DMatrix::zeros(width, width);
+        for ((p, q), tile) in panels::places(panels::panels(width)).zip(tiles) {
+            for (i, lanes) in tile[of].iter().enumerate() {
+                for (j, &sum) in lanes.iter().enumerate() {
+                    let (i, j) = (LANES * p + i, LANES * q + j);
+                    // The last panel may have lanes to spare.
+                    if i < width && j < width {
+                        matrix[(i, j)] = sum;
+                        matrix[(j, i)] = sum;
+                    }
+                }
+            }
+        }
+        matrix
+    })
+}
+
 /// Sums over some rows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gram {
@@ -34,20 +54,8 @@ impl Gram {
 
     /// Of the tiles in their places.
     pub fn of(tiles: &[Tile], width: usize, rows: u64) -> Self {
-        let mut gram = Self { rows, ..Self::empty(width) };
-        for ((p, q), tile) in panels::places(panels::panels(width)).zip(tiles) {
-            for (i, lanes) in tile.iter().enumerate() {
-                for (j, &sum) in lanes.iter().enumerate() {
-                    let (i, j) = (LANES * p + i, LANES * q + j);
-                    // The last panel may have lanes to spare.
-                    if i < width && j < width {
-                        gram.sums[(i, j)] = sum;
-                        gram.sums[(j, i)] = sum;
-                    }
-                }
-            }
-        }
-        gram
+        let [sums, rests] = in_places(tiles, width);
+        Self { sums: sums + rests, rows, starts: Starts::default() }
     }
 
     pub fn add(&mut self, other: &Self) {

@@ -33,7 +33,7 @@
 //! | [`options`] | options |
 //! | `validate_options` | checks of the options against the record's length, period and columns |
 //! | `design`, `rows` | which columns the regression has, and their rows: exact states of relaxations |
-//! | `panels`, `gram`, `accumulator`, `pass`, `moves`, `segment` | one reading of the record: normal equations, fold by fold, and what segments behind gaps leave in them |
+//! | `panels`, `gram`, `accumulator`, `pass`, `whole_batches`, `moves`, `segment` | one reading of the record: normal equations, fold by fold, and what segments behind gaps leave in them |
 //! | `candidates`, `delay` | the models that are tried |
 //! | `prior`, `normal_equations`, [`nonnegative`] | penalised least squares on the sums, and its standard errors |
 //! | [`drift`] | an offset that moves: its kind and size, and sums without it |
@@ -42,6 +42,7 @@
 //! | [`symbol`], `conductance` | the two structures: a symbol a class (thesis 2.19), wind as feedback (theory 12) |
 //! | `losses` | losses that grow with temperature, around any of `symbol` and `refine` |
 //! | [`refine`], `tied` | a few free rates in place of a mesh; reciprocal pairs |
+//! | `reading`, [`parts`] | what is asked of a record for that, and the same of sums that were gathered part by part |
 //! | `fitted`, `residual_pass`, `residuals`, `whiteness`, `support` | what is left, whether another candidate leaves less, and whether the record could carry the model |
 //! | `advice` | what the next record should be |
 //! | [`report`] | the result for people |
@@ -51,6 +52,7 @@
 pub mod cole_cole;
 pub mod nonnegative;
 pub mod options;
+pub mod parts;
 pub mod record;
 pub mod refine;
 pub mod report;
@@ -91,6 +93,7 @@ mod outcome;
 mod panels;
 mod prior;
 mod quiet_start;
+mod reading;
 mod residual_pass;
 pub(crate) mod residuals;
 mod rows;
@@ -100,13 +103,14 @@ mod support;
 mod tied;
 pub(crate) mod validate_options;
 mod whiteness;
+mod whole_batches;
 
 pub use drift::{DriftGiven, DriftKind};
 pub use options::{Constraints, FitObserver, GasGiven, IdentifyOptions, InitialState, Losses, Progress, Signs};
 pub use residuals::FitRow;
 
 use crate::model::{Model, Structure};
-use record::{RecordError, RecordSource};
+use record::{RecordError, RecordSource, Survey};
 
 /// Identifies a record: reads it a few times, reports `progress`, and calls `observer` for every
 /// row with the model's prediction; again for all rows if losses that grow with temperature are
@@ -122,16 +126,21 @@ pub fn identify(
 ) -> Result<Model, RecordError> {
     validate_options::refuse(source.survey(), options)?;
     losses::refuse(source.survey(), options)?;
-    let mut model = losses::identify(source, options, &linear, progress, observer)?;
-    model.chosen.reasons.extend(validate_options::pairing(source.survey(), options));
-    let mut against = validate_options::warnings(source.survey(), options);
+    let model = losses::identify(source, options, &linear, progress, observer)?;
+    Ok(judged(model, source.survey(), options))
+}
+
+/// A model with all that speaks against it, and what the next record should be.
+fn judged(mut model: Model, survey: &Survey, options: &IdentifyOptions) -> Model {
+    model.chosen.reasons.extend(validate_options::pairing(survey, options));
+    let mut against = validate_options::warnings(survey, options);
     against.extend(support::silent(&model));
     against.extend(support::disturbed(&model));
     model.supported &= against.is_empty();
     model.warnings.extend(against);
     model.warnings.extend(support::undrifted(&model, options));
     model.advice = advice::advice(&model, options.losses == Losses::Growing);
-    Ok(model)
+    model
 }
 
 /// A model whose losses do not grow with temperature, of the structure that was asked for.

@@ -1,12 +1,14 @@
 //! Options of identification: structure, mesh, initial state, signs, gas. The default chooses
 //! everything by cross-validation.
 
+use serde::{Deserialize, Serialize};
+
 use super::drift::DriftGiven;
 use super::residuals::FitRow;
 use crate::model::Structure;
 
 /// Options of one identification.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct IdentifyOptions {
     /// `symbol` by default.
     pub structure: Option<Structure>,
@@ -66,7 +68,7 @@ impl IdentifyOptions {
 }
 
 /// Whether losses may grow with temperature: w = u − g (T − T_0)².
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Losses {
     /// The model is linear.
     #[default]
@@ -78,7 +80,7 @@ pub enum Losses {
 }
 
 /// Where the temperature of the gas comes from.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub enum GasGiven {
     /// It is estimated.
     #[default]
@@ -90,7 +92,7 @@ pub enum GasGiven {
 }
 
 /// Parts of a model that the user fixes; `None` is chosen.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Constraints {
     /// Number of rates.
     pub order: Option<usize>,
@@ -120,7 +122,7 @@ impl Constraints {
 }
 
 /// The state of the body at the first row.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum InitialState {
     /// Nothing stored: all states zero.
     Rest,
@@ -142,7 +144,7 @@ impl InitialState {
 }
 
 /// Which resistances may not be negative.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub enum Signs {
     /// As many as cross-validation allows.
     #[default]

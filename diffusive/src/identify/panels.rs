@@ -18,7 +18,9 @@ pub const BATCH: usize = 128;
 
 pub type Lanes = [f64; LANES];
 pub type Panel = [Lanes; BATCH];
-pub type Tile = [Lanes; LANES];
+/// Sums, and what rounding took from them: together they are the same to the last digit, whatever
+/// batches are summed first.
+pub type Tile = [[Lanes; LANES]; 2];
 
 /// Panels that `width` columns take; the last may have lanes to spare.
 pub fn panels(width: usize) -> usize {
@@ -118,13 +120,23 @@ fn in_groups<'a, 'b, const USED: usize, const Q: usize>(
                 }
             }
         }
-        for (tile, sums) in target.iter_mut().zip(&sums) {
-            for (total, part) in tile.as_flattened_mut().iter_mut().zip(sums.as_flattened()) {
-                *total += part;
+        for ([totals, rests], sums) in target.iter_mut().zip(&sums) {
+            let totals = totals.as_flattened_mut().iter_mut().zip(rests.as_flattened_mut());
+            for ((total, rest), part) in totals.zip(sums.as_flattened()) {
+                let (sum, lost) = exact_sum(*total, *part);
+                (*total, *rest) = (sum, *rest + lost);
             }
         }
     }
     (right, tiles)
+}
+
+/// A sum, and what rounding took from it (D. E. Knuth, *The Art of Computer Programming* 2, 4.2.2).
+#[inline(always)]
+pub fn exact_sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    let own = sum - a;
+    (sum, (a - (sum - own)) + (b - own))
 }
 
 /// Written out lane by lane: so it becomes vector instructions.

@@ -1,6 +1,8 @@
 //! One reading of a record: the normal equations of several designs, and the plain facts that
 //! checks and priors need.
 
+use serde::{Deserialize, Serialize};
+
 use super::accumulator::Accumulator;
 use super::design::{BankDrive, RegressionDesign, RelaxationBank};
 use super::gas_source::GasSource;
@@ -10,11 +12,12 @@ use super::quiet_start::QuietStart;
 use super::record::{Block, RecordError, RecordSource, Survey};
 use super::segment::start_rates;
 use super::spread::{ValueSpread, deviation};
+use super::whole_batches::WholeBatches;
 use crate::model::Provenance;
 
 /// Spreads of inputs, in one class and in all, of outputs and of the gas, each counted from the
 /// first row.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Facts {
     pub rows: u64,
     pub first_inputs: Vec<f64>,
@@ -195,22 +198,22 @@ pub fn pass(
     let mut facts = Facts::default();
     let mut accumulators = Vec::new();
     let mut output_shift = Vec::new();
+    let mut batches = WholeBatches::default();
     while let Some(block) = source.next_block()? {
-        if accumulators.is_empty() {
+        if facts.rows == 0 {
             output_shift = block.outputs.iter().map(|values| mean(values)).collect();
             let of = |design| Accumulator::new(design, &starts_rad_s, sample_period_s, expected, folds, &output_shift);
             accumulators = designs.iter().map(of).collect();
         }
         // In this order, rows come from memory while there is much to do with those before.
-        for accumulator in &mut accumulators {
-            accumulator.push(block, gas);
-        }
+        batches.push(block, &mut |rows| accumulators.iter_mut().for_each(|accumulator| accumulator.push(rows, gas)));
         facts.add(block);
         progress(facts.rows);
         if facts.rows >= rows {
             break;
         }
     }
+    batches.finish(&mut |rows| accumulators.iter_mut().for_each(|accumulator| accumulator.push(rows, gas)));
     let (folds, ends) = accumulators.into_iter().map(Accumulator::finish).unzip();
     Ok(Passed { folds, ends, facts, output_shift })
 }

@@ -5,6 +5,7 @@
 //! surer than the difference.
 
 use recording::text::{estimate, short};
+use serde::{Deserialize, Serialize};
 
 use super::record::Block;
 use super::spread::ValueSpread;
@@ -18,7 +19,7 @@ const FAR: f64 = 3.0;
 const STANDS: f64 = 2.0;
 
 /// Outputs in the rows before the first power.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct QuietStart {
     is_over: bool,
     outputs: Vec<ValueSpread>,

@@ -45,6 +45,8 @@ pub use columns::PoleColumns;
 pub use filter::{NoiseFilter, RunningFilter, Section};
 pub use tracker::DriftTracker;
 
+use serde::{Deserialize, Serialize};
+
 /// Poles a decade that filters may have.
 const POLES_PER_DECADE: f64 = 2.0;
 /// Least rate of a pole, in units of one over the record's length: a level that a quarter of the
@@ -52,7 +54,7 @@ const POLES_PER_DECADE: f64 = 2.0;
 const SLOWEST: f64 = 4.0;
 
 /// Whether the offset may move.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub enum DriftGiven {
     /// If the record shows it: kind and size of most evidence.
     #[default]
@@ -64,7 +66,7 @@ pub enum DriftGiven {
 }
 
 /// Kinds of drift.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum DriftKind {
     /// Level without a memory of where it belongs.
     RandomWalk,

@@ -18,6 +18,7 @@
 //! | `swapped` | whether an input looks like an output |
 //! | `classes` | labels of the event column |
 //! | `stream`, `table` | the two sources |
+//! | `in_blocks` | a source in blocks of one length |
 //!
 //! Limits: the time written in a row may be off its place t_n by half a period; an output whose
 //! time is off by more than 10 % of it is interpolated; an event column has 64 labels at most.
@@ -28,6 +29,7 @@ mod clock;
 mod columns;
 mod error;
 mod files;
+mod in_blocks;
 mod roles;
 mod scan;
 mod sieve;
@@ -41,6 +43,7 @@ mod times;
 use std::path::Path;
 
 pub use error::RecordError;
+pub(super) use in_blocks::InBlocks;
 pub(super) use source::copy_row;
 pub use source::{BLOCK, Block, RecordSource, Selection, Survey};
 pub use stream::RecordStream;

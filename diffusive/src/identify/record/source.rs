@@ -4,7 +4,10 @@
 //! Row n holds the outputs y(t_n) and the inputs u held over [t_n, t_{n+1}), with t_n = t_0 + n·T.
 
 use std::fmt::Display;
+use std::ops::Range;
 use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
 
 use super::error::RecordError;
 use super::times::TimeUnit;
@@ -15,7 +18,7 @@ pub const BLOCK: usize = recording::CHUNK;
 
 /// Which columns play which part. Empty is the default; an element's name stands for its power as
 /// an input and for its temperature as an output or as the gas.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Selection {
     /// Heating powers, in the order wanted.
     pub inputs: Vec<String>,
@@ -34,7 +37,7 @@ pub struct Selection {
 }
 
 /// What is known of a record before its rows are handed out.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Survey {
     /// The file, or what a table in memory is called.
     pub path: PathBuf,
@@ -92,7 +95,7 @@ impl Survey {
 }
 
 /// Consecutive rows.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Block {
     /// A column for each input: held from its row's time to the next row's.
     pub inputs: Vec<Vec<f64>>,
@@ -122,8 +125,23 @@ impl Block {
         self.class.is_empty()
     }
 
+    /// Some of its rows; they begin a segment if they are the first of one.
+    pub(in crate::identify) fn rows(&self, rows: Range<usize>) -> Self {
+        let cut = |columns: &[Vec<f64>]| columns.iter().map(|values| values[rows.clone()].to_vec()).collect();
+        let missing = self.missing.iter().map(|row| *row as usize).filter(|row| rows.contains(row));
+        Self {
+            inputs: cut(&self.inputs),
+            outputs: cut(&self.outputs),
+            class: self.class[rows.clone()].to_vec(),
+            gas: self.gas.get(rows.clone()).map_or(Vec::new(), <[f64]>::to_vec),
+            time_s: self.time_s,
+            begins_segment: self.begins_segment && rows.start == 0,
+            missing: missing.map(|row| (row - rows.start) as u32).collect(),
+        }
+    }
+
     /// Adds the rows of the block that follows.
-    pub(super) fn append(&mut self, more: &Self) {
+    pub(in crate::identify) fn append(&mut self, more: &Self) {
         if self.is_empty() {
             *self = more.clone();
             return;

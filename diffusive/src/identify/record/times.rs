@@ -8,7 +8,7 @@
 //! | anything else | s |
 
 /// A unit of time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 pub enum TimeUnit {
     /// Seconds.
     #[default]

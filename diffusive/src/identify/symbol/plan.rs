@@ -4,15 +4,14 @@
 use dr_core::model::mesh::thesis_edges_rad_s;
 
 use super::super::candidates::{self, CandidateMesh, MeshPart};
-use super::super::delay::{self, PathDecision};
+use super::super::delay::PathDecision;
 use super::super::design::{BankDrive, RegressionDesign, RelaxationBank};
 use super::super::drift::DriftGiven;
-use super::super::folds::FOLDS;
-use super::super::gas_source::GasSource;
 use super::super::options::{Constraints, IdentifyOptions, InitialState, Progress};
-use super::super::pass::{Passed, pass};
+use super::super::pass::Passed;
 use super::super::prior::Scales;
-use super::super::record::{RecordError, RecordSource, Survey};
+use super::super::reading::SumReading;
+use super::super::record::{RecordError, Survey};
 use super::super::support;
 
 /// Unknowns beyond which only the smallest mesh is tried: the search takes time with their third
@@ -118,13 +117,12 @@ pub struct SymbolReading {
 
 impl SymbolPlan {
     pub fn of(
-        source: &mut dyn RecordSource,
         survey: Survey,
         classes: Vec<String>,
+        path: PathDecision,
         options: &IdentifyOptions,
     ) -> Result<Self, RecordError> {
         let (inputs, outputs) = (survey.inputs.len(), survey.outputs.len());
-        let path = delay::decide(source, &options.constraints)?;
         let mut meshes = meshes(&survey, classes.len(), &options.constraints)?;
         meshes.extend(meshes_besides(&survey, classes.len(), options, &meshes));
         let parts_of = |kind| parts(inputs, classes.len(), kind);
@@ -181,14 +179,14 @@ impl SymbolPlan {
     /// One reading of the record for all designs.
     pub fn read(
         self,
-        source: &mut dyn RecordSource,
+        source: &mut dyn SumReading,
         options: &IdentifyOptions,
         progress: &mut Progress<'_>,
     ) -> Result<SymbolReading, RecordError> {
         let mut tell = |done| progress("reading", done, self.survey.rows);
         let is_read = |mesh: &&CandidateMesh| mesh.part != MeshPart::Union;
         let read = self.meshes.iter().filter(is_read).count();
-        let passed = pass(source, &self.designs[..read], FOLDS, GasSource::Constant(0.0), u64::MAX, &mut tell)?;
+        let passed = source.sums(&self.designs[..read], &mut tell)?;
         let from_rest = options.constraints.initial_state == Some(InitialState::Rest);
         support::refuse(&self.survey, &passed.facts, &self.classes, self.is_gated(), from_rest)?;
         if let (Some(column), Some(gas)) = (&self.survey.gas_column, &passed.facts.gas) {

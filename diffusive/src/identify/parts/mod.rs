@@ -1,0 +1,45 @@
+//! Identification that adds up: sums of the parts of a record, wherever and in whatever order they
+//! are gathered, and the model of the whole from them.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `plan` | what parts must know of the whole: rows, meshes, dead time, where each part stands |
+//! | `design_sums` | normal equations, to the last digit |
+//! | `lags` | products of inputs and outputs with those a few rows later |
+//! | `summed` | the sums of some rows, and those of neighbours as one |
+//! | `left` | what a model leaves, from these |
+//! | `reading` | the sums of all, as identification asks for those of a record |
+//! | `gram_file` | all of it as a file |
+//!
+//! Limits: one segment; no free poles, structure `conductance` or growing losses, which are
+//! searched on rows; of single rows whose residual stands out, those among the first 240 are found.
+
+mod design_sums;
+mod gram_file;
+mod lags;
+mod left;
+mod plan;
+mod reading;
+mod summed;
+#[cfg(test)]
+mod tests;
+
+pub use gram_file::{GramError, GramFile, join_files, refuse_incomplete};
+pub use plan::{GramPlan, PartPlace, PartStarts};
+pub use summed::{BatchStart, SummedRows};
+
+use super::options::Progress;
+use super::record::RecordError;
+use super::{judged, symbol};
+use crate::model::Model;
+use reading::PartReading;
+
+/// The model of a record, from the sums of all of its rows: the same as of its rows in one go.
+///
+/// # Errors
+/// As [`super::identify`], but for what only rows tell.
+pub fn identify_parts(plan: &GramPlan, whole: SummedRows, progress: &mut Progress<'_>) -> Result<Model, RecordError> {
+    let mut reading = PartReading::of(plan, whole)?;
+    let model = symbol::identify_read(&mut reading, &plan.options, progress, &mut |_| {})?;
+    Ok(judged(model, &plan.survey, &plan.options))
+}
