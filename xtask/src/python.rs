@@ -14,7 +14,7 @@ pub struct PythonOptions {
     /// Only build the wheel and install it into target/tools/python
     #[arg(long)]
     no_test: bool,
-    /// Also run the gallery with the libraries that it compares with, in an environment of their own
+    /// Also run the gallery, with the libraries that it compares with in their own environment
     #[arg(long)]
     gallery: bool,
     /// Install the wheel into an empty environment and print its size, what it needs of the system,
