@@ -43,7 +43,7 @@ __all__ = [
 ]
 
 
-def load(path: _os.PathLike | str) -> Table:
+def load(path: _os.PathLike[str] | str) -> Table:
     """Reads a recording or any other table: .parquet, .csv, a folder of segments, a pattern."""
     return Table.read(path)
 

@@ -8,7 +8,7 @@ import tempfile
 import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Union
+from typing import Any, TypeVar, Union, cast
 
 from ._anemo import Model, Table, Text, perform
 from ._error import Error, Interrupted
@@ -17,12 +17,14 @@ from ._results import Head, Report
 # A file, or what stands for one: a table of any library, a model, a head, an experiment.
 Source = Any
 # A number, a word, or a pair of numbers.
-Number = Union[str, float, int, bool, tuple, None]
+Number = Union[str, float, int, bool, tuple[float, float], None]
 # One word or several.
 Words = Union[str, Sequence[str], None]
 # A file, or what stands for one.
 Paths = Any
 
+# What a command gives: a class.
+Result = TypeVar("Result")
 
 FLAG = object()
 
@@ -32,7 +34,7 @@ def flag(value: bool) -> Any:
     return FLAG if value else None
 
 
-def several(value: Words) -> list | None:
+def several(value: Words) -> list[str] | None:
     """An option that may be given several times."""
     return [value] if isinstance(value, str) else None if value is None else list(value)
 
@@ -55,7 +57,7 @@ def word(value: Any) -> Any:
     return repr(value.item() if hasattr(value, "item") else value)
 
 
-def words_of(command: str, given: tuple, options: dict[str, Any]) -> list[tuple[str, Any]]:
+def words_of(command: str, given: tuple[Any, ...], options: dict[str, Any]) -> list[tuple[str, Any]]:
     words: list[tuple[str, Any]] = [("", part) for part in command.split()]
     for value in given:
         if value is not None:
@@ -72,32 +74,38 @@ def words_of(command: str, given: tuple, options: dict[str, Any]) -> list[tuple[
     return words
 
 
-def call(command: str, given: tuple, options: dict[str, Any], result: Any) -> Any:
+def call(command: str, given: tuple[Any, ...], options: dict[str, Any], result: type[Result]) -> Result:
     """Carries out a command, and makes a `result` of what it gives."""
-    if result is Table:
+    made: Any
+    if result is Report:
+        made = performed(command, given, options)[1]
+    elif result is Table:
         # Without a file to write to, the rows come back as a table.
         place = "--output" if options.get("--output") is None else None
         _, report, table = performed(command, given, options, place)
-        if table is None:
-            return report
-        table.report = report
-        return table
-    if result is Report:
-        return performed(command, given, options)[1]
-    if command == "identify":
-        text, _, _ = performed(command, given, options)
-        return Model.from_json(text)
-    extension = {Head: "toml"}.get(result, "json")
-    with tempfile.TemporaryDirectory(prefix="anemo-") as folder:
-        path = options.get("--output") or Path(folder, f"result.{extension}")
-        _, report, _ = performed(command, given, {**options, "--output": path})
-        made = result.read(os.fspath(path))
-    made.report = report
-    return made
+        made = report if table is None else table
+        if table is not None:
+            table.report = report
+    elif command == "identify":
+        text, report, _ = performed(command, given, options)
+        made = Model.from_json(text)
+        made.report = report
+    else:
+        readable: Any = result
+        extension = "toml" if readable is Head else "json"
+        with tempfile.TemporaryDirectory(prefix="anemo-") as folder:
+            path = options.get("--output") or Path(folder, f"result.{extension}")
+            _, report, _ = performed(command, given, {**options, "--output": path})
+            made = readable.read(os.fspath(path))
+        if options.get("--output") is None:
+            # The file that stood in between is nobody's.
+            report.text = "".join(line for line in report.text.splitlines(True) if folder not in line).rstrip()
+        made.report = report
+    return cast(Result, made)
 
 
 def performed(
-    command: str, given: tuple, options: dict[str, Any], place: str | None = None
+    command: str, given: tuple[Any, ...], options: dict[str, Any], place: str | None = None
 ) -> tuple[str, Report, Table | None]:
     """Carries out a command: its JSON, its report, and the table that is wanted."""
     words = words_of(command, given, options)

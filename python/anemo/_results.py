@@ -6,20 +6,20 @@ import json
 import os
 import tomllib
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from ._anemo import Text
 from ._error import Error
 
 
-class Report(dict):
+class Report(dict[str, Any]):
     """The keys of the command's `--json`, also as attributes; `str(report)` is its summary."""
 
-    def __init__(self, content: dict | None = None, text: str = "") -> None:
+    def __init__(self, content: dict[str, Any] | None = None, text: str = "") -> None:
         super().__init__(content or {})
         self.text = text
 
-    def __reduce__(self) -> tuple:
+    def __reduce__(self) -> tuple[Any, ...]:
         return Report, (dict(self), self.text)
 
     def __getattr__(self, name: str) -> Any:
@@ -44,14 +44,14 @@ class File:
 
     extension = "toml"
 
-    def __init__(self, text: str, folder: os.PathLike | str = ".") -> None:
+    def __init__(self, text: str, folder: os.PathLike[str] | str = ".") -> None:
         self.text = text
         # What the text names is sought from here.
         self.folder = Path(folder).resolve()
         self.report = Report()
 
     @classmethod
-    def read(cls, path: os.PathLike | str) -> Any:
+    def read(cls, path: os.PathLike[str] | str) -> Self:
         """Reads a file."""
         try:
             text = Path(path).read_text(encoding="utf-8")
@@ -59,7 +59,7 @@ class File:
             raise Error(f"{path}: {error.strerror}", 2) from None
         return cls(text, Path(path).resolve().parent)
 
-    def write(self, path: os.PathLike | str) -> None:
+    def write(self, path: os.PathLike[str] | str) -> None:
         """Writes the file, in whole or not at all."""
         path = Path(path)
         beside = path.with_name(f".{path.name}.{os.getpid()}")
@@ -70,7 +70,7 @@ class File:
         return Text(self.folder, self.extension, self.text)
 
     def __eq__(self, other: object) -> bool:
-        return type(self) is type(other) and self.text == other.text  # type: ignore[attr-defined]
+        return type(self) is type(other) and self.text == other.text
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -79,14 +79,14 @@ class Head(File):
     """A head file: elements, limits, calibration. Its tables are `head["calibration"]` and so on."""
 
     @property
-    def content(self) -> dict:
+    def content(self) -> dict[str, Any]:
         """All of it, as `tomllib` reads it."""
         return tomllib.loads(self.text)
 
     @property
     def name(self) -> str:
         """What the head is called."""
-        return self.content["name"]
+        return str(self.content["name"])
 
     def __getitem__(self, key: str) -> Any:
         return self.content[key]
@@ -101,7 +101,7 @@ class Experiment(Head):
     @property
     def name(self) -> str:
         """Its title."""
-        return self.content.get("title", "")
+        return str(self.content.get("title", ""))
 
 
 class Network(File):
@@ -110,9 +110,9 @@ class Network(File):
     extension = "json"
 
     @property
-    def content(self) -> dict:
+    def content(self) -> dict[str, Any]:
         """All of it."""
-        return json.loads(self.text)
+        return dict(json.loads(self.text))
 
     def __repr__(self) -> str:
         return f"<anemo.Network: {len(self.text)} bytes of JSON>"

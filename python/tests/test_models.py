@@ -18,6 +18,8 @@ def test_a_model_pickles_copies_compares_and_prints(model, tmp_path):
     assert anemo.Model.read(path) == model and anemo.Model.from_json(path.read_text()) == model
     other = anemo.reduce(model, order=1)
     assert other != model and other.report["order"] == 1
+    assert "lost on random bits" in str(other.report) and "result.json" not in str(other.report)
+    assert model.report.fit_percent == model.fit_percent and "steady gain" in str(model.report)
     assert repr(model).startswith("<anemo.Model power_w_core → temperature_c_core: 2 rates, fit 99.")
     assert "steady gain" in str(model)
     html = model._repr_html_()

@@ -5,7 +5,8 @@ use crate::{install, shell};
 use anyhow::{Context, Result, bail};
 use std::path::{Path, PathBuf};
 
-/// Beside what pages use, for the examples that compare with other libraries.
+/// For the examples that compare with other libraries, one of which wants an older numpy than the
+/// pages.
 const GALLERY_REQUIREMENTS: &str = "python/gallery/requirements.txt";
 
 #[derive(clap::Args, Default)]
@@ -13,7 +14,7 @@ pub struct PythonOptions {
     /// Only build the wheel and install it into target/tools/python
     #[arg(long)]
     no_test: bool,
-    /// Also install the libraries that the gallery compares with, and run all of it
+    /// Also run the gallery, with the libraries that it compares with in their own environment
     #[arg(long)]
     gallery: bool,
     /// Install the wheel into an empty environment and print its size, what it needs of the system,
@@ -30,17 +31,23 @@ pub fn run(options: &PythonOptions) -> Result<()> {
     if options.no_test {
         return Ok(());
     }
+    test(&programs)?;
     if options.gallery {
-        let mut pip = shell::program(programs.join("pip"));
-        shell::run(pip.args(["install", "--quiet", "--disable-pip-version-check", "-r"]).arg(GALLERY_REQUIREMENTS))?;
+        let programs = install::python_environment("gallery", GALLERY_REQUIREMENTS)?;
+        install_wheel(&programs, &wheel)?;
+        pytest(&programs, "python/tests/test_gallery.py")?;
     }
-    test(&programs)
+    Ok(())
 }
 
 /// The tests of the package, in the environment where it is installed.
 pub fn test(programs: &Path) -> Result<()> {
+    pytest(programs, "python")
+}
+
+fn pytest(programs: &Path, tests: &str) -> Result<()> {
     let mut pytest = shell::program(programs.join("python"));
-    pytest.args(["-m", "pytest", "-q", "-p", "no:cacheprovider"]).arg(shell::root().join("python"));
+    pytest.args(["-m", "pytest", "-q", "-p", "no:cacheprovider"]).arg(shell::root().join(tests));
     shell::run(pytest.env("PYTHONDONTWRITEBYTECODE", "1").current_dir(shell::root()))
 }
 
@@ -57,10 +64,14 @@ pub fn package() -> Result<(PathBuf, PathBuf)> {
     shell::run(&mut maturin)?;
     let mut built = std::fs::read_dir(&wheels).context("maturin has written nothing")?.flatten();
     let Some(wheel) = built.next() else { bail!("maturin has written no wheel into {}", wheels.display()) };
+    install_wheel(&programs, &wheel.path())?;
+    Ok((programs, wheel.path()))
+}
+
+fn install_wheel(programs: &Path, wheel: &Path) -> Result<()> {
     let mut pip = shell::program(programs.join("pip"));
     pip.args(["install", "--quiet", "--disable-pip-version-check", "--no-deps", "--force-reinstall"]);
-    shell::run(pip.arg(wheel.path()))?;
-    Ok((programs, wheel.path()))
+    shell::run(pip.arg(wheel))
 }
 
 /// In an empty environment: installation, import, a first model.
