@@ -9,14 +9,14 @@ use clap::Parser as _;
 use recording::interrupt;
 
 use crate::output::hear;
-pub use crate::output::{Failure, Heard};
+pub use crate::output::{Failure, HeardCommand};
 use crate::progress::Ended;
 
 /// What a command has done.
 #[derive(Debug)]
 pub struct Performed {
     /// What it said.
-    pub heard: Heard,
+    pub heard: HeardCommand,
     /// Whether it could be done.
     pub outcome: Result<(), Failure>,
 }

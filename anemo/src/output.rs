@@ -84,7 +84,7 @@ pub fn sentence(text: &str) -> String {
 
 /// What a command says while it runs in another program, which passes it on in its own way.
 #[derive(Debug, Default)]
-pub struct Heard {
+pub struct HeardCommand {
     /// What would be on stdout.
     pub printed: String,
     /// What would be there with --json, of commands that have it.
@@ -94,12 +94,12 @@ pub struct Heard {
 }
 
 thread_local! {
-    static HEARD: RefCell<Option<Heard>> = const { RefCell::new(None) };
+    static HEARD: RefCell<Option<HeardCommand>> = const { RefCell::new(None) };
 }
 
 /// Does some work in this thread and keeps what it says.
-pub fn hear<T>(work: impl FnOnce() -> T) -> (T, Heard) {
-    HEARD.set(Some(Heard::default()));
+pub fn hear<T>(work: impl FnOnce() -> T) -> (T, HeardCommand) {
+    HEARD.set(Some(HeardCommand::default()));
     let done = work();
     (done, HEARD.take().unwrap_or_default())
 }

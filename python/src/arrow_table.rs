@@ -11,9 +11,12 @@ use arrow_array::types::{
     UInt64Type,
 };
 use arrow_array::{Array, ArrayRef, ArrowPrimitiveType, DictionaryArray, Float64Array, RecordBatch, StringArray};
-use arrow_schema::{DataType, Field, Schema, SchemaRef, TimeUnit};
+use arrow_schema::{ArrowError, DataType, Field, Schema, SchemaRef, TimeUnit};
 use recording::in_memory::{ForeignType, MemoryColumns, MemoryTable};
 use recording::{ColumnValues, ColumnWords, Metadata};
+
+/// Under this key pandas says which columns are its index.
+const PANDAS: &str = "pandas";
 
 /// A column in two units.
 #[derive(Debug, thiserror::Error)]
@@ -58,6 +61,29 @@ impl ArrowTable {
             Arc::new(Schema::new_with_metadata(fields, recording.metadata.into_iter().collect::<HashMap<_, _>>()));
         let batch = RecordBatch::try_new(Arc::clone(&schema), arrays).expect("columns of equal length");
         Self { schema, batches: vec![batch] }
+    }
+
+    /// The table of a pandas frame as its owner sees it: an index that says something (times, or
+    /// with a name) is the first column, where a record has its times; mere numbers of rows are
+    /// none.
+    pub fn with_index_first(self) -> Result<Self, ArrowError> {
+        let Some(about) = self.schema.metadata().get(PANDAS) else { return Ok(self) };
+        let about: serde_json::Value = serde_json::from_str(about).unwrap_or_default();
+        let index: Vec<&str> =
+            about["index_columns"].as_array().into_iter().flatten().filter_map(|of| of.as_str()).collect();
+        let is_index = |column: &usize| index.contains(&self.schema.field(*column).name().as_str());
+        let says = |column: &usize| {
+            let field = self.schema.field(*column);
+            !field.name().starts_with("__index_level_") || matches!(field.data_type(), DataType::Timestamp(..))
+        };
+        let all = || 0..self.schema.fields().len();
+        let first = all().filter(|column| is_index(column) && says(column));
+        let order: Vec<usize> = first.chain(all().filter(|column| !is_index(column))).collect();
+        let mut metadata: HashMap<String, String> = self.metadata().into_iter().collect();
+        metadata.remove(PANDAS);
+        let schema = Arc::new(self.schema.project(&order)?.with_metadata(metadata));
+        let batches = self.batches.iter().map(|batch| batch.project(&order)?.with_schema(Arc::clone(&schema)));
+        Ok(Self { batches: batches.collect::<Result<_, _>>()?, schema })
     }
 
     /// Rows in all batches.

@@ -110,15 +110,18 @@ pub fn perform(py: Python<'_>, words: Vec<(String, Word<'_>)>, place: Option<&st
     };
     let (performed, signal) = waited_for(py, &flag, work)?;
     let Performed { heard, outcome } = performed;
-    let table = wanted
-        .and_then(InMemory::take)
-        .map(|recording: Recording| Table { inner: Arc::new(ArrowTable::of_recording(recording)) });
+    let place = wanted.as_ref().map(|wanted| wanted.path().display().to_string());
+    let told = |text: &str| {
+        let text = all.told(text);
+        place.as_ref().map_or(text.clone(), |place| text.replace(place, "the table"))
+    };
+    let table = wanted.and_then(InMemory::take).map(|written| PyTable::of(ArrowTable::of_columns(written)));
     let (code, sentence) = match outcome {
         Ok(()) => (0, None),
-        Err(Failure { code, sentence }) => (code, Some(all.told(&sentence))),
+        Err(Failure { code, sentence }) => (code, Some(told(&sentence))),
     };
-    let warnings = heard.warnings.iter().map(|warning| all.told(warning)).collect();
-    Ok((heard.json.map(|json| all.told(&json)), all.told(&heard.printed), warnings, code, sentence, table, signal))
+    let warnings = heard.warnings.iter().map(|warning| told(warning)).collect();
+    Ok((heard.json.map(|json| told(&json)), told(&heard.printed), warnings, code, sentence, table, signal))
 }
 
 /// Does work on a thread, with a pool of its own, so that no thread is left once it is done.

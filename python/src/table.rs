@@ -129,7 +129,7 @@ fn of_stream(data: &Bound<'_, PyAny>) -> PyResult<ArrowTable> {
     let reader = RecordBatchStreamReader::try_new(stream).map_err(damaged)?;
     let schema = arrow_array::RecordBatchReader::schema(&reader);
     let batches = reader.collect::<Result<Vec<_>, _>>().map_err(damaged)?;
-    Ok(ArrowTable { schema, batches })
+    ArrowTable { schema, batches }.with_index_first().map_err(damaged)
 }
 
 fn of_mapping(data: &Bound<'_, PyAny>) -> PyResult<ArrowTable> {

@@ -72,6 +72,16 @@ def test_nulls_moments_and_small_types_are_numbers():
         nested["pair"]
 
 
+def test_an_index_of_pandas_is_the_time_or_nothing():
+    rows = pd.DataFrame({"t": [0.0, 0.5, 1.0], "u": [0.0, 1.0, 0.0], "y": [1.0, 1.0, 2.0]})
+    assert anemo.Table(rows[rows["t"] > 0.2]).columns == ["t", "u", "y"]
+    assert anemo.Table(rows.set_index("t")).columns == ["t", "u", "y"]
+    stamped = rows[["u", "y"]].set_index(pd.to_datetime(rows["t"], unit="s").array)
+    table = anemo.Table(stamped)
+    assert table.columns[1:] == ["u", "y"] and list(table[table.columns[0]]) == [0.0, 0.5, 1.0]
+    assert "pandas" not in table.metadata
+
+
 def test_a_unit_that_contradicts_the_name_is_refused():
     field = pa.field("power_w_core", pa.float64(), metadata={"unit": "mW"})
     table = pa.table([[1.0, 2.0]], schema=pa.schema([field]))
