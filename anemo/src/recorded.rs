@@ -40,8 +40,8 @@ impl RecordingOutputs {
 
     pub fn push(&mut self, row: &RecordingRow<'_>) -> Result<(), RecordingError> {
         self.recorder.as_mut().map_or(Ok(()), |(_, recorder)| recorder.push(row))?;
-        let collectors = self.memory.iter_mut().map(|(_, of)| of).chain(self.picture.iter_mut().map(|(_, of)| of));
-        collectors.map(|collector| collector.push(row)).collect()
+        let mut collectors = self.memory.iter_mut().map(|(_, of)| of).chain(self.picture.iter_mut().map(|(_, of)| of));
+        collectors.try_for_each(|collector| collector.push(row))
     }
 
     /// Completes them with what the end adds to the metadata.

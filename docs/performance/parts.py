@@ -38,12 +38,19 @@ def run(*words):
     """A command, the seconds that it took, and its peak of memory in MiB."""
     command = os.environ.get("ANEMO_BIN", str(ROOT / "target/release/anemo"))
     begin = time.perf_counter()
-    process = subprocess.Popen([command, *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    text, said = process.stdout.read(), process.stderr.read()
-    _, status, used = os.wait4(process.pid, 0)
-    if status:
-        sys.exit(f"anemo {' '.join(map(str, words))}: {said}")
-    return text, time.perf_counter() - begin, used.ru_maxrss / 1024
+    with tempfile.TemporaryFile("w+") as printed, tempfile.TemporaryFile("w+") as said:
+        process = subprocess.Popen([command, *map(str, words)], stdout=printed, stderr=said, text=True)
+        most_kib = 0
+        # The kernel keeps the peak of a process as long as it lives; what rusage has is that of this one, too.
+        while process.poll() is None:
+            status = Path(f"/proc/{process.pid}/status").read_text()
+            most_kib = max([most_kib, *(int(line.split()[1]) for line in status.splitlines() if line.startswith("VmHWM"))])
+            time.sleep(0.005)
+        took_s = time.perf_counter() - begin
+        printed.seek(0), said.seek(0)
+        if process.returncode:
+            sys.exit(f"anemo {' '.join(map(str, words))}: {said.read()}")
+        return printed.read(), took_s, most_kib / 1024
 
 
 def numbers(model, key):

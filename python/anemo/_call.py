@@ -53,6 +53,8 @@ def word(value: Any) -> Any:
         return os.fspath(value)
     if hasattr(value, "__arrow_c_stream__") or isinstance(value, Mapping):
         return Table(value if hasattr(value, "__arrow_c_stream__") else dict(value))
+    if getattr(value, "shape", ()) != ():
+        raise Error("an array has no names: give a table, or a dict of names to one-dimensional arrays", 2)
     # The shortest text that is read as the same number, numpy's numbers included.
     return repr(value.item() if hasattr(value, "item") else value)
 

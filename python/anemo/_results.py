@@ -66,6 +66,9 @@ class File:
         beside.write_text(self.text, encoding="utf-8")
         os.replace(beside, path)
 
+    def __str__(self) -> str:
+        return self.report.text or self.text
+
     def __anemo_text__(self) -> Text:
         return Text(self.folder, self.extension, self.text)
 

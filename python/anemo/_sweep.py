@@ -52,8 +52,9 @@ def sweep(
     else:
         folder.mkdir(parents=True, exist_ok=True)
         names = [f"anemo-{run}-{os.urandom(4).hex()}" for run in plan.runs]
-        done = client.map(run_of, plan.runs, file=str(file), folder=str(folder), key=names, pure=False)
-        client.gather(done)
+        engine: Any = client
+        done = engine.map(run_of, plan.runs, file=str(file), folder=str(folder), key=names, pure=False)
+        engine.gather(done)
     report, text = plan.gather(folder)
     return Report(json.loads(report), text)
 

@@ -82,8 +82,15 @@ impl ArrowTable {
         let mut metadata: HashMap<String, String> = self.metadata().into_iter().collect();
         metadata.remove(PANDAS);
         let schema = Arc::new(self.schema.project(&order)?.with_metadata(metadata));
-        let batches = self.batches.iter().map(|batch| batch.project(&order)?.with_schema(Arc::clone(&schema)));
-        Ok(Self { batches: batches.collect::<Result<_, _>>()?, schema })
+        let batches = self.batches.iter().map(|batch| batch.project(&order)).collect::<Result<_, _>>()?;
+        Self { batches, schema: Arc::clone(&self.schema) }.with_schema(schema)
+    }
+
+    /// The same columns with other metadata.
+    pub fn with_schema(self, schema: SchemaRef) -> Result<Self, ArrowError> {
+        let renamed = |batch: RecordBatch| RecordBatch::try_new(Arc::clone(&schema), batch.columns().to_vec());
+        let batches = self.batches.into_iter().map(renamed).collect::<Result<_, _>>()?;
+        Ok(Self { batches, schema })
     }
 
     /// Rows in all batches.

@@ -3,9 +3,11 @@
 use std::path::PathBuf;
 
 use diffusive::identify::report::IdentifyReport;
+use diffusive::model::certainty::steady_gain_error;
 use diffusive::model::export::{ExportForm, ExportReport, impulse_response, response_in_class, state_space};
 use diffusive::model::{ModelError, PairClass};
 use numpy::{Complex64, IntoPyArray as _, PyArray1, PyArray2, PyReadonlyArray1};
+use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -36,6 +38,10 @@ impl PyModel {
     fn form<'py>(&self, py: Python<'py>, of: &PartName<'_>, form: ExportForm) -> PyResult<Bound<'py, PyDict>> {
         let part = self.part(py, of)?;
         let report = ExportReport::new(&part, form, None).map_err(refused(py))?;
+        if let Some(warning) = part.warning() {
+            let warning = std::ffi::CString::new(warning).unwrap_or_default();
+            PyErr::warn(py, &py.get_type::<PyUserWarning>(), &warning, 1)?;
+        }
         let columns = PyDict::new(py);
         let names = report.table().map_or(&[][..], |table| &table.columns);
         for (at, name) in names.iter().enumerate() {
@@ -132,11 +138,11 @@ impl PyModel {
         self.inner.warnings.clone()
     }
 
-    /// Steady gain of a pair and its standard error, K/W.
+    /// Steady gain of a pair and its standard error, in which coloured residuals count, K/W.
     #[pyo3(signature = (pair = None, class_ = None))]
     fn steady_gain(&self, py: Python<'_>, pair: Option<&str>, class_: Option<&str>) -> PyResult<(f64, f64)> {
-        let class = self.part(py, &PartName { pair, class: class_ })?.class;
-        Ok((class.steady_gain_k_per_w, class.se_steady_gain_k_per_w))
+        let part = self.part(py, &PartName { pair, class: class_ })?;
+        Ok((part.class.steady_gain_k_per_w, steady_gain_error(&self.inner, part.pair, part.class)))
     }
 
     /// Time-constant spectrum (diffusive symbol): rate_rad_s, frequency_hz, r_k_per_w, se_k_per_w,

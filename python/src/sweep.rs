@@ -22,6 +22,9 @@ impl Sweep {
     #[new]
     fn new(py: Python<'_>, file: PathBuf, program: PathBuf) -> PyResult<Self> {
         let plan = py.detach(|| Plan::read(&file)).map_err(|reason| error(py, 2, &reason))?;
+        if let Some(sentence) = plan.steps().find_map(anemo::refusal) {
+            return Err(error(py, 2, &format!("{}: `then`: {sentence}", file.display())));
+        }
         Ok(Self { plan: Arc::new(plan.with_program(program)) })
     }
 

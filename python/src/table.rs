@@ -44,11 +44,9 @@ impl PyTable {
     fn new(data: &Bound<'_, PyAny>, metadata: Option<Vec<(String, String)>>) -> PyResult<Self> {
         let mut inner = if data.hasattr("__arrow_c_stream__")? { of_stream(data)? } else { of_mapping(data)? };
         if let Some(metadata) = metadata {
-            let schema = arrow_schema::Schema::clone(&inner.schema)
-                .with_metadata(metadata.into_iter().collect::<HashMap<_, _>>());
-            inner.schema = Arc::new(schema);
-            let batches = inner.batches.into_iter().map(|batch| batch.with_schema(Arc::clone(&inner.schema)));
-            inner.batches = batches.collect::<Result<_, _>>().map_err(|reason| error(data.py(), 2, &reason))?;
+            let metadata: HashMap<_, _> = metadata.into_iter().collect();
+            let schema = arrow_schema::Schema::clone(&inner.schema).with_metadata(metadata);
+            inner = inner.with_schema(Arc::new(schema)).map_err(|reason| error(data.py(), 2, &reason))?;
         }
         inner.check_units().map_err(|reason| error(data.py(), 2, &reason))?;
         Ok(Self { inner: Arc::new(inner) })

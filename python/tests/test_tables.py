@@ -7,6 +7,7 @@ import pandas as pd
 import polars as pl
 import pyarrow as pa
 import pytest
+from conftest import heater
 
 
 def test_every_library_takes_a_table_and_gives_it_back(prbs):
@@ -87,6 +88,20 @@ def test_a_unit_that_contradicts_the_name_is_refused():
     table = pa.table([[1.0, 2.0]], schema=pa.schema([field]))
     with pytest.raises(anemo.Error, match="is in mW by its metadata and in W by its name"):
         anemo.Table(table)
+
+
+def test_an_array_is_no_table():
+    with pytest.raises(anemo.Error, match="an array has no names"):
+        anemo.identify(np.zeros((10, 2)), sample_period=1)
+
+
+def test_units_other_than_those_of_the_names_are_warned_of():
+    record = heater(3, 4000)
+    record = {"time_s": record["time_s"], "Heater (mW)": 1e3 * record["power_w_core"], "T (°C)": record["temperature_c_core"]}
+    model = anemo.identify(record, input="Heater (mW)", output="T (°C)", free_poles=2, feed_through=False, dead_time=0)
+    with pytest.warns(UserWarning, match="numbers are in K/mW"):
+        gain = model.foster()["resistance_k_per_w"].sum()
+    assert abs(gain - 0.013) < 1e-4
 
 
 def test_a_missing_file_is_the_sentence_of_the_command_line(tmp_path):

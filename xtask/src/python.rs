@@ -9,18 +9,21 @@ use std::path::{Path, PathBuf};
 /// pages.
 const GALLERY_REQUIREMENTS: &str = "python/gallery/requirements.txt";
 
+/// Its tests.
+const GALLERY: &str = "python/tests/test_gallery.py";
+
 #[derive(clap::Args, Default)]
 pub struct PythonOptions {
     /// Only build the wheel and install it into target/tools/python
     #[arg(long)]
-    no_test: bool,
+    pub no_test: bool,
     /// Also run the gallery, with the libraries that it compares with in their own environment
     #[arg(long)]
-    gallery: bool,
+    pub gallery: bool,
     /// Install the wheel into an empty environment and print its size, what it needs of the system,
     /// and how long import and a first model take
     #[arg(long)]
-    numbers: bool,
+    pub numbers: bool,
 }
 
 pub fn run(options: &PythonOptions) -> Result<()> {
@@ -31,23 +34,18 @@ pub fn run(options: &PythonOptions) -> Result<()> {
     if options.no_test {
         return Ok(());
     }
-    test(&programs)?;
+    pytest(&programs, &["python", "--ignore", GALLERY])?;
     if options.gallery {
         let programs = install::python_environment("gallery", GALLERY_REQUIREMENTS)?;
         install_wheel(&programs, &wheel)?;
-        pytest(&programs, "python/tests/test_gallery.py")?;
+        pytest(&programs, &[GALLERY])?;
     }
     Ok(())
 }
 
-/// The tests of the package, in the environment where it is installed.
-pub fn test(programs: &Path) -> Result<()> {
-    pytest(programs, "python")
-}
-
-fn pytest(programs: &Path, tests: &str) -> Result<()> {
+fn pytest(programs: &Path, tests: &[&str]) -> Result<()> {
     let mut pytest = shell::program(programs.join("python"));
-    pytest.args(["-m", "pytest", "-q", "-p", "no:cacheprovider"]).arg(shell::root().join(tests));
+    pytest.args(["-m", "pytest", "-q", "-p", "no:cacheprovider"]).args(tests);
     shell::run(pytest.env("PYTHONDONTWRITEBYTECODE", "1").current_dir(shell::root()))
 }
 

@@ -7,7 +7,8 @@ use crate::artefacts::{self, FirmwareBoard};
 use crate::cost::{self, CostOptions};
 use crate::hardware::{self, HardwareOptions};
 use crate::pages::{self, PagePrograms, PagesOptions};
-use crate::{install, python, reference, safety, shell, size};
+use crate::python::{self, PythonOptions};
+use crate::{install, reference, safety, shell, size};
 use anyhow::Result;
 use std::io::{BufRead, IsTerminal};
 use std::time::Instant;
@@ -48,7 +49,8 @@ pub fn run(jobs: clap::Command) -> Result<()> {
     stages.run("pages of the command line", || reference::check(&interface))?;
     let [(_, firmware), (_, anemo), _] = programs.clone();
     let shown = PagePrograms { anemo, interface, firmware };
-    stages.run("Python package", || python::test(&python::package()?.0))?;
+    let all = PythonOptions { gallery: true, ..PythonOptions::default() };
+    stages.run("Python package", || python::run(&all))?;
     stages.run("commands in pages", || pages::run(&PagesOptions::default(), jobs, Some(shown)))?;
     let test = |arguments: &[&str]| {
         let mut cargo = cargo(arguments);

@@ -2,6 +2,7 @@
 
 use super::content::{Class, Model, Pair, Structure};
 use super::error::ModelError;
+use super::gain_unit::gain_unit;
 use recording::is_pair;
 use recording::text::suggest;
 
@@ -110,7 +111,10 @@ impl<'a> PairClass<'a> {
                 following.from_c
             )
         });
-        let both: Vec<String> = unsupported.into_iter().chain(still).collect();
+        let unit = gain_unit(self.model, &self.pair.output).filter(|unit| unit != "K/W").map(|unit| {
+            format!("numbers are in {unit} as the columns of the record, where names of columns here say K/W")
+        });
+        let both: Vec<String> = unsupported.into_iter().chain(still).chain(unit).collect();
         (!both.is_empty()).then(|| both.join("; "))
     }
 

@@ -14,6 +14,7 @@
 //! Limits: one segment; no free poles, structure `conductance` or growing losses, which are
 //! searched on rows; of single rows whose residual stands out, those among the first 240 are found.
 
+mod checksum;
 mod design_sums;
 mod gram_file;
 mod lags;

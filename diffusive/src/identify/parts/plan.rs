@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::checksum::{PartChecksums, RowChecksum};
 use super::summed::{BatchStart, SummedDesigns, SummedRows, batch_from};
 use crate::identify::delay::{self, PathDecision};
 use crate::identify::folds::FOLDS;
@@ -34,6 +35,8 @@ pub struct PartPlace {
     pub first_time_s: f64,
     /// Time of its last row, s.
     pub last_time_s: f64,
+    /// Of its numbers.
+    pub(super) checksum: u64,
 }
 
 /// What is known of a record as a whole, and what is tried for it: the same for all its parts.
@@ -74,7 +77,7 @@ impl GramPlan {
         for path in paths {
             let part = RecordStream::open(path, &own)?;
             let Survey { rows, first_time_s, last_time_s, .. } = *part.survey();
-            parts.push(PartPlace { path: path.clone(), first_row, rows, first_time_s, last_time_s });
+            parts.push(PartPlace { path: path.clone(), first_row, rows, first_time_s, last_time_s, checksum: 0 });
             first_row += rows;
         }
         if let Some(sentence) = whole.mended() {
@@ -126,13 +129,19 @@ impl GramPlan {
         )?;
         let (facts, output_shift) = (passed.facts, passed.output_shift);
         survey.notes.push(UNTOLD.to_owned());
-        let plan = Self { survey, options, classes, path, open_path, facts, output_shift, selection, parts };
-        let starts = plan.starts(source, progress)?;
+        let mut plan = Self { survey, options, classes, path, open_path, facts, output_shift, selection, parts };
+        let (starts, checksums) = plan.starts(source, progress)?;
+        plan.parts.iter_mut().zip(checksums).for_each(|(part, checksum)| part.checksum = checksum);
         Ok((plan, starts))
     }
 
-    /// The states with which every part begins, from one reading without sums.
-    fn starts(&self, source: &mut dyn RecordSource, progress: &mut Progress<'_>) -> Result<PartStarts, RecordError> {
+    /// The states with which every part begins, and checksums of the parts, from one reading without
+    /// sums.
+    fn starts(
+        &self,
+        source: &mut dyn RecordSource,
+        progress: &mut Progress<'_>,
+    ) -> Result<(PartStarts, Vec<u64>), RecordError> {
         let designs = self.designs()?;
         let (mut run, mut batches) = (designs.following(), WholeBatches::default());
         let mut starts = vec![None; self.parts.len()];
@@ -141,8 +150,10 @@ impl GramPlan {
             |part: &PartPlace| Some(batch_from(part.first_row)).filter(|row| *row < part.first_row + part.rows);
         let begins: Vec<Option<u64>> = self.parts.iter().map(begins).collect();
         let mut next = 0;
+        let mut checksums = PartChecksums::new(self.parts.iter().map(|part| part.first_row + part.rows).collect());
         source.restart()?;
         while let Some(block) = source.next_block()? {
+            checksums.push(block);
             batches.push(block, &mut |rows| {
                 for from in (0..rows.len()).step_by(BATCH) {
                     let row = run.row();
@@ -159,7 +170,7 @@ impl GramPlan {
             starts[next] = (begins[next] == Some(run.row())).then(|| run.state());
             next += 1;
         }
-        Ok(starts)
+        Ok((starts, checksums.finish()))
     }
 
     /// What is summed of every part.
@@ -245,11 +256,12 @@ impl GramPlan {
         let designs = self.designs()?;
         let start = starts.get(part).and_then(Option::as_ref);
         let mut summing = designs.summing(self.parts[part].first_row, start);
-        let (survey, mut done) = (source.survey().clone(), 0);
+        let (survey, mut done, mut checksum) = (source.survey().clone(), 0, RowChecksum::default());
         source.restart()?;
         while let Some(block) = source.next_block()? {
             refuse_block(&survey, block, done)?;
             done += block.len() as u64;
+            checksum.add(block, 0..block.len());
             let mut block = block.clone();
             let class_of: Result<Vec<u32>, RecordError> =
                 source.classes().iter().map(|label| self.class(&survey, label)).collect();
@@ -258,6 +270,10 @@ impl GramPlan {
             summing.push(&block);
             progress("summing", done, survey.rows);
         }
+        survey.refuse_if(
+            checksum.finish() != self.parts[part].checksum,
+            "was changed since the plan was made: make the plan anew, of the parts as they are",
+        )?;
         Ok(summing.finish())
     }
 

@@ -143,6 +143,7 @@ fn place(rows: &Range<usize>) -> PartPlace {
         rows: rows.len() as u64,
         first_time_s: rows.start as f64 * PERIOD_S,
         last_time_s: (rows.end - 1) as f64 * PERIOD_S,
+        checksum: 0,
     }
 }
 
