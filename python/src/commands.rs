@@ -42,7 +42,7 @@ impl Text {
 
 /// A word of a command line, or what stands for one.
 #[derive(FromPyObject)]
-pub enum Word<'py> {
+pub enum Argument<'py> {
     Word(String),
     Table(PyRef<'py, PyTable>),
     Model(PyRef<'py, PyModel>),
@@ -56,12 +56,12 @@ struct Words {
 }
 
 impl Words {
-    fn push(&mut self, option: &str, word: &Word<'_>) {
+    fn push(&mut self, option: &str, word: &Argument<'_>) {
         let named = match word {
-            Word::Word(word) => return self.words.push(format!("{option}{word}")),
-            Word::Table(table) => InMemory::table(Arc::clone(&table.inner) as _),
-            Word::Model(model) => InMemory::text("".as_ref(), "json", &model.inner.to_json()),
-            Word::Text(text) => InMemory::text(&text.folder, &text.extension, &text.text),
+            Argument::Word(word) => return self.words.push(format!("{option}{word}")),
+            Argument::Table(table) => InMemory::table(Arc::clone(&table.inner) as _),
+            Argument::Model(model) => InMemory::text("".as_ref(), "json", &model.inner.to_json()),
+            Argument::Text(text) => InMemory::text(&text.folder, &text.extension, &text.text),
         };
         self.words.push(format!("{option}{}", named.path().display()));
         self.named.push(named);
@@ -90,7 +90,7 @@ type Done = (Option<String>, String, Vec<String>, u8, Option<String>, Option<PyT
 /// work, and what it has done comes back with it; a second one leaves the work alone.
 #[pyfunction]
 #[pyo3(signature = (words, place = None))]
-pub fn perform(py: Python<'_>, words: Vec<(String, Word<'_>)>, place: Option<&str>) -> PyResult<Done> {
+pub fn perform(py: Python<'_>, words: Vec<(String, Argument<'_>)>, place: Option<&str>) -> PyResult<Done> {
     if FORKED_AT_WORK.load(Ordering::Relaxed) {
         let sentence = "this process was forked while another thread was at work in anemo, whose locks it has kept: \
                         start processes by multiprocessing.get_context(\"spawn\")";

@@ -135,8 +135,8 @@ impl GramPlan {
         Ok((plan, starts))
     }
 
-    /// The states with which every part begins, and checksums of the parts, from one reading without
-    /// sums.
+    /// The states with which every part begins, and checksums of the parts, from one reading
+    /// without sums.
     fn starts(
         &self,
         source: &mut dyn RecordSource,
