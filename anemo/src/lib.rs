@@ -54,6 +54,7 @@ mod plot;
 mod predict;
 mod predict_against;
 mod predict_device;
+mod program;
 mod progress;
 mod publish_options;
 mod recorded;

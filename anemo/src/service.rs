@@ -12,7 +12,7 @@ const OPTION: &str = "--service";
 /// # Errors
 /// If a word of the command is no text, or this program's place is not known.
 pub(super) fn unit(title: &str) -> Result<String, Failure> {
-    let program = std::env::current_exe().map_err(Failure::work)?;
+    let program = crate::program::own_program()?;
     let folder = std::env::current_dir().map_err(Failure::work)?;
     let arguments = std::env::args_os().skip(1).filter(|argument| argument != OPTION);
     let arguments = arguments.map(|argument| word(Path::new(&argument)));

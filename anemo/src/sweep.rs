@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::thread::available_parallelism;
 
 use crate::output::Failure;
+use crate::program::own_program;
 use crate::progress::{on_interrupt, progress};
 use sweep::slurm::{SlurmOptions, submit};
 use sweep::{Plan, Shard, SweepError};
@@ -63,7 +64,7 @@ pub struct Arguments {
 
 /// `refusal` says what is wrong with a command line, the words behind `anemo`.
 pub fn execute(arguments: &Arguments, refusal: impl Fn(&[String]) -> Option<String>) -> Result<(), Failure> {
-    let program = std::env::current_exe().map_err(Failure::work)?;
+    let program = own_program()?;
     let plan = Plan::read(&arguments.file).map_err(failure)?.with_program(program.clone());
     let wrong = plan.steps().find_map(refusal);
     if let Some(sentence) = wrong {

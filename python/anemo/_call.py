@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import numbers
 import os
 import tempfile
 import warnings
@@ -31,12 +32,18 @@ FLAG = object()
 
 def flag(value: bool) -> Any:
     """An option that is given or not."""
+    if isinstance(value, str):
+        raise Error(f"`{value}` stands where True or False belongs", 2)
     return FLAG if value else None
 
 
-def several(value: Words) -> list[str] | None:
+class Several(tuple[Any, ...]):
+    """Values of an option that is given once for each."""
+
+
+def several(value: Words) -> Several | None:
     """An option that may be given several times."""
-    return [value] if isinstance(value, str) else None if value is None else list(value)
+    return Several([value]) if isinstance(value, str) else None if value is None else Several(value)
 
 
 def word(value: Any) -> Any:
@@ -45,7 +52,7 @@ def word(value: Any) -> Any:
         return value
     if isinstance(value, bool):
         return "yes" if value else "no"
-    if isinstance(value, tuple):
+    if isinstance(value, (tuple, list)) and all(isinstance(part, numbers.Real) for part in value):
         return ":".join(str(word(part)) for part in value)
     if hasattr(value, "__anemo_text__"):
         return value.__anemo_text__()
@@ -55,8 +62,13 @@ def word(value: Any) -> Any:
         return Table(value if hasattr(value, "__arrow_c_stream__") else dict(value))
     if getattr(value, "shape", ()) != ():
         raise Error("an array has no names: give a table, or a dict of names to one-dimensional arrays", 2)
-    # The shortest text that is read as the same number, numpy's numbers included.
-    return repr(value.item() if hasattr(value, "item") else value)
+    plain = value.item() if hasattr(value, "item") else value
+    if isinstance(plain, bool):
+        return word(plain)
+    if not isinstance(plain, numbers.Real):
+        raise Error(f"{type(value).__name__} is no file, no table and no number", 2)
+    # The shortest text that is read as the same number.
+    return repr(plain)
 
 
 def words_of(command: str, given: tuple[Any, ...], options: dict[str, Any]) -> list[tuple[str, Any]]:
@@ -69,7 +81,7 @@ def words_of(command: str, given: tuple[Any, ...], options: dict[str, Any]) -> l
     for option, value in options.items():
         if value is FLAG:
             words.append(("", option))
-        elif isinstance(value, list):
+        elif isinstance(value, Several):
             words += [(f"{option}=", word(part)) for part in value]
         elif value is not None:
             words.append((f"{option}=", word(value)))

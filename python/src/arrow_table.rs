@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use arrow_array::cast::AsArray as _;
 use arrow_array::types::{
-    Float32Type, Float64Type, Int8Type, Int16Type, Int32Type, Int64Type, TimestampMicrosecondType,
+    Date32Type, Float32Type, Float64Type, Int8Type, Int16Type, Int32Type, Int64Type, TimestampMicrosecondType,
     TimestampMillisecondType, TimestampNanosecondType, TimestampSecondType, UInt8Type, UInt16Type, UInt32Type,
     UInt64Type,
 };
@@ -193,6 +193,8 @@ fn push_numbers(array: &ArrayRef, numbers: &mut Vec<f64>) -> Result<(), ForeignT
         DataType::Timestamp(TimeUnit::Nanosecond, _) => {
             push::<TimestampNanosecondType>(array, numbers, |value| value as f64 * 1e-9);
         }
+        DataType::Date32 => push::<Date32Type>(array, numbers, |days| f64::from(days) * 86_400.0),
+        DataType::Null => numbers.resize(numbers.len() + array.len(), f64::NAN),
         DataType::Boolean => {
             numbers.extend(array.as_boolean().iter().map(|value| value.map_or(f64::NAN, |bit| u8::from(bit).into())));
         }

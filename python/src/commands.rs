@@ -91,11 +91,6 @@ type Done = (Option<String>, String, Vec<String>, u8, Option<String>, Option<PyT
 #[pyfunction]
 #[pyo3(signature = (words, place = None))]
 pub fn perform(py: Python<'_>, words: Vec<(String, Argument<'_>)>, place: Option<&str>) -> PyResult<Done> {
-    if FORKED_AT_WORK.load(Ordering::Relaxed) {
-        let sentence = "this process was forked while another thread was at work in anemo, whose locks it has kept: \
-                        start processes by multiprocessing.get_context(\"spawn\")";
-        return Err(error(py, 1, &sentence));
-    }
     let mut all = Words { words: Vec::new(), named: Vec::new() };
     words.iter().for_each(|(option, word)| all.push(option, word));
     let wanted = place.map(|option| {
@@ -130,6 +125,11 @@ pub fn waited_for<T: Send + 'static>(
     interrupted: &AtomicBool,
     work: impl FnOnce() -> T + Send + 'static,
 ) -> PyResult<(T, Option<PyErr>)> {
+    if FORKED_AT_WORK.load(Ordering::Relaxed) {
+        let sentence = "this process was forked while another thread was at work in anemo, whose locks it has kept: \
+                        start processes by multiprocessing.get_context(\"spawn\")";
+        return Err(error(py, 1, &sentence));
+    }
     let (sender, mut receiver) = mpsc::channel();
     AT_WORK.fetch_add(1, Ordering::SeqCst);
     std::thread::spawn(move || {

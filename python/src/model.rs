@@ -6,7 +6,7 @@ use diffusive::identify::report::IdentifyReport;
 use diffusive::model::certainty::steady_gain_error;
 use diffusive::model::export::{ExportForm, ExportReport, impulse_response, response_in_class, state_space};
 use diffusive::model::{ModelError, PairClass};
-use numpy::{Complex64, IntoPyArray as _, PyArray1, PyArray2, PyReadonlyArray1};
+use numpy::{AllowTypeChange, Complex64, IntoPyArray as _, PyArray1, PyArray2, PyArrayLike1};
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -182,7 +182,7 @@ impl PyModel {
     fn impulse<'py>(
         &self,
         py: Python<'py>,
-        time_s: PyReadonlyArray1<'py, f64>,
+        time_s: PyArrayLike1<'py, f64, AllowTypeChange>,
         pair: Option<&str>,
         class_: Option<&str>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
@@ -196,7 +196,7 @@ impl PyModel {
     fn frequency_response<'py>(
         &self,
         py: Python<'py>,
-        omega_rad_s: PyReadonlyArray1<'py, f64>,
+        omega_rad_s: PyArrayLike1<'py, f64, AllowTypeChange>,
         pair: Option<&str>,
         class_: Option<&str>,
     ) -> PyResult<Bound<'py, PyArray1<Complex64>>> {

@@ -48,6 +48,9 @@ impl PyTable {
             let schema = arrow_schema::Schema::clone(&inner.schema).with_metadata(metadata);
             inner = inner.with_schema(Arc::new(schema)).map_err(|reason| error(data.py(), 2, &reason))?;
         }
+        if inner.schema.fields().is_empty() {
+            return Err(error(data.py(), 2, &"the table has no columns"));
+        }
         inner.check_units().map_err(|reason| error(data.py(), 2, &reason))?;
         Ok(Self { inner: Arc::new(inner) })
     }
@@ -130,6 +133,29 @@ fn of_stream(data: &Bound<'_, PyAny>) -> PyResult<ArrowTable> {
     ArrowTable { schema, batches }.with_index_first().map_err(damaged)
 }
 
+/// An array without a mask and without units of time: NaN where a value is masked, moments as
+/// seconds since 1970, durations as seconds.
+fn plain<'py>(py: Python<'py>, asarray: &Bound<'py, PyAny>, values: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let numpy = py.import("numpy")?;
+    if values.hasattr("mask")? && values.hasattr("filled")? {
+        return values.call_method1("astype", ("f8",))?.call_method1("filled", (f64::NAN,));
+    }
+    let array = asarray.call1((values,))?;
+    let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
+    match kind.as_str() {
+        "M" | "m" => {
+            let second = numpy.call_method1("timedelta64", (1, "s"))?;
+            let since = if kind == "M" {
+                array.call_method1("__sub__", (numpy.call_method1("datetime64", (0, "s"))?,))?
+            } else {
+                array
+            };
+            since.call_method1("__truediv__", (second,))
+        }
+        _ => Ok(array),
+    }
+}
+
 fn of_mapping(data: &Bound<'_, PyAny>) -> PyResult<ArrowTable> {
     let py = data.py();
     let wrong = "a table is a mapping of names to arrays, or has __arrow_c_stream__ (pyarrow, Polars, pandas, DuckDB)";
@@ -139,7 +165,7 @@ fn of_mapping(data: &Bound<'_, PyAny>) -> PyResult<ArrowTable> {
     let mut rows = None;
     for (name, values) in data.iter() {
         let name: String = name.extract()?;
-        let array = asarray.call1((values,))?;
+        let array = plain(py, &asarray, &values)?;
         let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
         let values = if matches!(kind.as_str(), "U" | "O" | "T") {
             let words: Vec<String> = array.call_method0("tolist")?.extract().map_err(|_| {

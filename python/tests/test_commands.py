@@ -38,6 +38,12 @@ def test_arguments_are_called_as_on_the_command_line(prbs):
     )
     rates = model.spectrum()["rate_rad_s"]
     assert (len(rates), rates[0], rates[-1]) == (5, 0.002, 3.0)
+    again = anemo.identify(prbs, input=("sector1",), output="sector1", order=5, mesh=[0.002, np.float32(3)], drift="none")
+    assert again.spectrum()["rate_rad_s"][-1] == 3.0
+    with pytest.raises(anemo.Error, match="`no` stands where True or False belongs"):
+        anemo.identify(prbs, tie="no")
+    with pytest.raises(anemo.Error, match="set is no file, no table and no number"):
+        anemo.identify({1, 2})
     with pytest.raises(TypeError, match="odrer"):
         anemo.identify(prbs, odrer=5)
     with pytest.raises(anemo.Error, match="invalid value 'walking' for '--drift") as raised:

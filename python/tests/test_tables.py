@@ -47,6 +47,13 @@ def test_a_mapping_of_arrays_is_a_table():
         anemo.Table({"time_s": np.arange(4), "u": np.arange(3)})
     with pytest.raises(anemo.Error, match="has no rows"):
         anemo.Table({})
+    with pytest.raises(anemo.Error, match="has no columns"):
+        anemo.Table(pa.table({}))
+    masked = np.ma.masked_array([1.0, 2.0, 3.0, 4.0], mask=[False, True, False, False])
+    moments = np.datetime64("2026-01-01T00:00:00") + np.arange(4) * np.timedelta64(500, "ms")
+    odd = anemo.Table({"t": moments, "since": moments - moments[0], "y": masked})
+    assert list(odd["t"] - odd["t"][0]) == list(odd["since"]) == [0.0, 0.5, 1.0, 1.5]
+    assert odd["t"][0] == 1767225600.0 and np.isnan(odd["y"][1]) and odd["y"][3] == 4.0
     with pytest.raises(KeyError, match="did you mean `time_s`"):
         table["time"]
 

@@ -16,7 +16,7 @@ use crate::step::StepPlaces;
 use host_sim::experiment::Experiment;
 use host_sim::instrument::in_process;
 use host_sim::run::{RunError, RunSummary, layout, metadata, outcome, run};
-use recording::RecordingWriter;
+use recording::{RecordingReader, RecordingWriter};
 
 impl Plan {
     /// Does a run, unless its folder is complete already, and gives its results.
@@ -83,7 +83,10 @@ impl Plan {
 
     /// The results of a run that is done, its recordings included where they are wanted.
     fn complete(&self, folder: &RunFolder, place: usize) -> Option<RunResult> {
-        let has_recordings = || self.expanded(place).experiments.iter().all(|of| folder.recording(&of.stem).is_file());
+        let has_recordings = || {
+            let whole = |path: &Path| RecordingReader::open(path).is_ok();
+            self.expanded(place).experiments.iter().all(|of| whole(&folder.recording(&of.stem)))
+        };
         folder.result().filter(|_| !self.file.keeps_recordings || has_recordings())
     }
 

@@ -49,6 +49,9 @@ pub enum RunFailure {
     /// A sentence; it stands in the results.
     #[error("{0}")]
     Failed(String),
+    /// Its folder cannot be written; a sentence.
+    #[error("{0}")]
+    Unwritten(String),
     /// Somebody asked for the end; the run is as if it had not begun.
     #[error("interrupted")]
     Interrupted,
@@ -59,7 +62,7 @@ pub enum RunFailure {
 
 impl RunFailure {
     pub(crate) fn unwritten(path: &Path) -> impl Fn(std::io::Error) -> Self {
-        move |error| Self::Failed(format!("{}: cannot be written: {error}", path.display()))
+        move |error| Self::Unwritten(format!("{}: cannot be written: {error}", path.display()))
     }
 }
 

@@ -55,11 +55,12 @@ struct FailedFile {
 #[derive(Debug, Clone)]
 pub(crate) struct RunFolder {
     path: PathBuf,
+    hash: String,
 }
 
 impl RunFolder {
     pub fn new(folder: &Path, hash: &str) -> Self {
-        Self { path: folder.join(format!("run={hash}")) }
+        Self { path: folder.join(format!("run={hash}")), hash: hash.to_owned() }
     }
 
     pub fn path(&self) -> &Path {
@@ -80,9 +81,10 @@ impl RunFolder {
         self.path.join(format!("{stem}.parquet"))
     }
 
-    /// The results, if the run is complete.
+    /// The results, if the run is complete: those of another run, or changed ones, are none.
     pub fn result(&self) -> Option<RunResult> {
-        serde_json::from_slice(&fs::read(self.path.join(RESULT)).ok()?).ok()
+        let read: RunResult = serde_json::from_slice(&fs::read(self.path.join(RESULT)).ok()?).ok()?;
+        Some(RunResult::new(&self.hash, read.results.clone())).filter(|whole| *whole == read)
     }
 
     /// Why there are none, if that is known.

@@ -9,7 +9,6 @@
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng as _, SeedableRng as _};
-use recording::text::tidy;
 use serde::Deserialize;
 use toml::Value;
 
@@ -67,7 +66,7 @@ impl Points {
                 number((low + share * (high - low + 1.0)).floor().min(*high), true)
             }
             Self::Between { low, high, is_log, is_whole, .. } => {
-                number(between(*low, *high, *is_log, share), *is_whole)
+                number(between(*low, *high, *is_log, share).clamp(*low, *high), *is_whole)
             }
         }
     }
@@ -78,7 +77,9 @@ fn between(low: f64, high: f64, is_log: bool, share: f64) -> f64 {
 }
 
 fn number(value: f64, is_whole: bool) -> Value {
-    if is_whole { Value::Integer(value.round() as i64) } else { Value::Float(tidy(value)) }
+    // Twelve digits: what arithmetic adds behind them says nothing.
+    let rounded = || format!("{value:.11e}").parse().unwrap_or(value);
+    if is_whole { Value::Integer(value.round() as i64) } else { Value::Float(rounded()) }
 }
 
 /// The values of every run, in the order of the keys.
@@ -169,6 +170,18 @@ mod tests {
         assert_eq!((linear, log), (each.clone(), each));
         let a = runs.iter().filter(|values| values[2].as_str() == Some("a")).count();
         assert_eq!(a, 25);
+    }
+
+    #[test]
+    fn values_of_a_narrow_range_far_from_zero_stay_in_it_and_differ() {
+        for set in [SampleSet::Random, SampleSet::LatinHypercube] {
+            let runs = combinations(set, 50, 1, &[range(101_325.4, 101_325.6, false, false, 0)]);
+            let mut values = floats(&runs, 0);
+            assert!(values.iter().all(|value| (101_325.4..=101_325.6).contains(value)), "{values:?}");
+            values.sort_by(f64::total_cmp);
+            values.dedup();
+            assert_eq!(values.len(), 50);
+        }
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! Many runs in this process: as many threads as cores, each of which does run after run.
 
 use std::path::Path;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, OnceLock};
 use std::{fs, thread};
 
 use crate::error::{RunFailure, SweepError};
@@ -28,7 +28,7 @@ impl Plan {
     /// the others.
     ///
     /// # Errors
-    /// If the folder cannot be made.
+    /// If the folder cannot be made, or a run's folder cannot be written.
     pub fn work(
         &self,
         folder: &Path,
@@ -41,9 +41,10 @@ impl Plan {
         shard.map_or(Ok(()), |shard| shard_note::write(folder, shard.of))?;
         let places = self.places(shard);
         let (next, settled) = (AtomicUsize::new(0), Mutex::new(WorkDone::default()));
+        let unwritten = OnceLock::new();
         let worker = || {
             while let Some(&place) = places.get(next.fetch_add(1, Ordering::Relaxed)) {
-                if interrupted.load(Ordering::Relaxed) {
+                if interrupted.load(Ordering::Relaxed) || unwritten.get().is_some() {
                     break;
                 }
                 let was_complete = self.is_complete(place, folder);
@@ -53,6 +54,11 @@ impl Plan {
                     Ok(()) if was_complete => settled.before += 1,
                     Ok(()) => settled.done += 1,
                     Err(RunFailure::Interrupted) => break,
+                    Err(RunFailure::Unwritten(sentence)) => {
+                        // The others would fare alike.
+                        let _ = unwritten.set(SweepError::Folder(sentence));
+                        break;
+                    }
                     Err(_) => settled.failed += 1,
                 }
                 progress(settled.before + settled.done + settled.failed);
@@ -63,6 +69,9 @@ impl Plan {
                 scope.spawn(worker);
             });
         });
+        if let Some(error) = unwritten.into_inner() {
+            return Err(error);
+        }
         let mut done = settled.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
         done.interrupted = done.before + done.done + done.failed < places.len();
         Ok(done)

@@ -2,10 +2,11 @@
 //! of all they hold.
 //!
 //! The first says what record it is of and which rows; it is read without the sums. The second are
-//! the sums.
+//! the sums. Then come eight bytes, the checksum of all before.
 
 use std::fs::File;
-use std::io::{BufReader, BufWriter, Write as _};
+use std::hash::Hasher as _;
+use std::io::{BufReader, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -13,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use super::plan::{GramPlan, PartStarts};
 use super::summed::SummedRows;
 use recording::Temporary;
+use twox_hash::XxHash3_64;
 
 const FORMAT: &str = "anemo-gram";
 /// Why a file cannot be read to its end.
@@ -22,7 +24,7 @@ const BROKEN: &str = "is broken off or damaged: make it anew";
 const CHANGED: &str = "begins with other states than the rows before end with: parts were changed since the plan was made; make plan and sums anew";
 
 /// Raised with every change of what the sums mean.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// Why a file of sums cannot be used: one sentence.
 #[derive(Debug, thiserror::Error)]
@@ -56,7 +58,39 @@ pub struct GramFile {
     pub plan: GramPlan,
     /// First row and number of rows of its sums; none in a plan.
     pub rows: Option<(u64, u64)>,
-    rest: BufReader<File>,
+    rest: Checked<BufReader<File>>,
+}
+
+/// What is read or written, and its checksum so far.
+struct Checked<T> {
+    stream: T,
+    checksum: XxHash3_64,
+}
+
+impl<T> Checked<T> {
+    fn new(stream: T) -> Self {
+        Self { stream, checksum: XxHash3_64::default() }
+    }
+}
+
+impl<T: Read> Read for Checked<T> {
+    fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
+        let read = self.stream.read(bytes)?;
+        self.checksum.write(&bytes[..read]);
+        Ok(read)
+    }
+}
+
+impl<T: Write> Write for Checked<T> {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        let written = self.stream.write(bytes)?;
+        self.checksum.write(&bytes[..written]);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.stream.flush()
+    }
 }
 
 impl GramFile {
@@ -66,7 +100,7 @@ impl GramFile {
     /// If it cannot be read, or is no such file.
     pub fn open(path: &Path) -> Result<Self, GramError> {
         let file = File::open(path).map_err(|error| GramError::of(path, format!("cannot be read: {error}")))?;
-        let mut rest = BufReader::new(file);
+        let mut rest = Checked::new(BufReader::new(file));
         let not_it = |_| GramError::of(path, "is no file of sums: `anemo gram` writes them");
         let Header { format, version, plan, rows } = ciborium::from_reader(&mut rest).map_err(not_it)?;
         if (format.as_str(), version) != (FORMAT, VERSION) {
@@ -86,8 +120,16 @@ impl GramFile {
         if self.rows.is_none() {
             return Err(GramError::of(&self.path, "is a plan, and has no sums: make them with `anemo gram --plan`"));
         }
-        let broken = |_| GramError::of(&self.path, BROKEN);
-        ciborium::from_reader(&mut self.rest).map_err(broken)
+        self.rest()
+    }
+
+    /// What stands behind the beginning, once nothing has changed since it was written.
+    fn rest<T: serde::de::DeserializeOwned>(&mut self) -> Result<T, GramError> {
+        let broken = || GramError::of(&self.path, BROKEN);
+        let read = ciborium::from_reader(&mut self.rest).map_err(|_| broken())?;
+        let (checksum, mut end) = (self.rest.checksum.finish(), Vec::new());
+        self.rest.stream.read_to_end(&mut end).map_err(|_| broken())?;
+        if end == checksum.to_le_bytes() { Ok(read) } else { Err(broken()) }
     }
 
     /// Reads the states with which parts begin, of a plan.
@@ -98,8 +140,7 @@ impl GramFile {
         if self.rows.is_some() {
             return Err(GramError::of(&self.path, "has sums, and a plan belongs here"));
         }
-        let broken = |_| GramError::of(&self.path, BROKEN);
-        ciborium::from_reader(&mut self.rest).map_err(broken)
+        self.rest()
     }
 
     /// Writes a plan, as a whole or not at all.
@@ -126,11 +167,12 @@ fn write(path: &Path, plan: &GramPlan, rows: Option<(u64, u64)>, rest: &impl Ser
         ciborium::ser::Error::Value(sentence) => GramError::of(path, sentence),
     };
     let (temporary, file) = Temporary::create(path).map_err(failed)?;
-    let mut out = BufWriter::new(file);
+    let mut out = Checked::new(BufWriter::new(file));
     let header = Header { format: FORMAT.to_owned(), version: VERSION, plan: plan.clone(), rows };
     ciborium::into_writer(&header, &mut out).map_err(encoded)?;
     ciborium::into_writer(rest, &mut out).map_err(encoded)?;
-    out.flush().map_err(failed)?;
+    let checksum = out.checksum.finish();
+    out.stream.write_all(&checksum.to_le_bytes()).and_then(|()| out.flush()).map_err(failed)?;
     temporary.keep().map_err(failed)
 }
 
