@@ -84,7 +84,7 @@ def test_an_index_of_pandas_is_the_time_or_nothing():
     rows = pd.DataFrame({"t": [0.0, 0.5, 1.0], "u": [0.0, 1.0, 0.0], "y": [1.0, 1.0, 2.0]})
     assert anemo.Table(rows[rows["t"] > 0.2]).columns == ["t", "u", "y"]
     assert anemo.Table(rows.set_index("t")).columns == ["t", "u", "y"]
-    stamped = rows[["u", "y"]].set_index(pd.to_datetime(rows["t"], unit="s").array)
+    stamped = rows[["u", "y"]].set_axis(pd.to_datetime(rows["t"].to_numpy(), unit="s"), axis="index")
     table = anemo.Table(stamped)
     assert table.columns[1:] == ["u", "y"] and list(table[table.columns[0]]) == [0.0, 0.5, 1.0]
     assert "pandas" not in table.metadata

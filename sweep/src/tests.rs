@@ -110,6 +110,31 @@ fn a_run_that_fails_is_listed_with_its_sentence_and_does_not_stop_the_others() {
 }
 
 #[test]
+fn what_is_damaged_in_a_folder_is_done_again_and_what_cannot_be_written_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = plan(folder.path(), &format!("recordings = true\n{SEEDS}"));
+    let out = folder.path().join("out");
+    assert_eq!(work(&plan, &out, None).done, 6);
+    let own = |run: usize, name: &str| out.join(format!("run={}", plan.runs()[run].hash)).join(name);
+    // A recording that was cut, the results of another run, and results that somebody changed.
+    fs::write(own(0, "steady.parquet"), b"PAR1").unwrap();
+    fs::copy(own(2, "result.json"), own(1, "result.json")).unwrap();
+    let result = fs::read_to_string(own(3, "result.json")).unwrap();
+    let changed = result.replacen("\"results\":{", "\"results\":{\"more\":1,", 1);
+    fs::write(own(3, "result.json"), changed).unwrap();
+    let done = work(&plan, &out, None);
+    assert_eq!((done.before, done.done), (3, 3));
+
+    let file = folder.path().join("file");
+    fs::create_dir(&file).unwrap();
+    // A file stands where the folder of a run belongs.
+    fs::write(file.join(format!("run={}", plan.runs()[0].hash)), "").unwrap();
+    let never = AtomicBool::new(false);
+    let sentence = plan.work(&file, None, 1, &never, &|_| ()).unwrap_err().to_string();
+    assert!(sentence.contains("cannot be written"), "{sentence}");
+}
+
+#[test]
 fn a_shard_that_is_missing_is_named_and_what_is_there_is_kept() {
     let folder = tempfile::tempdir().unwrap();
     let plan = plan(folder.path(), SEEDS);

@@ -98,9 +98,19 @@ fn what_does_not_belong_together_is_refused_with_a_sentence() {
     record(folder, "short.csv", 0..2700, "time_s", "temperature_c");
     assert!(gram(&["short.csv", "--plan", "r.plan"], 1).contains("as none of the 3 parts of the plan"));
     assert!(gram(&["a.csv", "--plan", "a.csv"], 2).contains("is no file of sums"));
+    // The last part, of which no other knows anything, with one number that is another.
+    let last = std::fs::read_to_string(folder.join("c.csv")).unwrap();
+    let at = last.rfind(',').unwrap();
+    std::fs::write(folder.join("c.csv"), format!("{},99.0\n", &last[..at])).unwrap();
+    assert!(gram(&["c.csv", "--plan", "r.plan"], 1).contains("was changed since the plan was made"));
     let sums = std::fs::read(folder.join("b.gram")).unwrap();
-    std::fs::write(folder.join("b.gram"), &sums[..sums.len() - 9]).unwrap();
-    assert!(identify(&["a.gram", "b.gram", "c.gram"]).contains("is broken off or damaged"));
+    let mut flipped = sums.clone();
+    flipped[sums.len() / 2] ^= 1;
+    for damaged in [&sums[..sums.len() - 9], &sums[..sums.len() - 1], &flipped, &[&sums[..], &[0]].concat()] {
+        std::fs::write(folder.join("b.gram"), damaged).unwrap();
+        let sentence = identify(&["a.gram", "b.gram", "c.gram"]);
+        assert!(sentence.contains("is broken off or damaged"), "{} bytes: {sentence}", damaged.len());
+    }
 
     // What rows alone tell; segments.
     let plan = |arguments: &[&str]| refused(folder, &[&["gram"], arguments, &["-o", "out.plan"]].concat(), 1);
