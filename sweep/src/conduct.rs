@@ -34,11 +34,13 @@ impl Plan {
         }
         let attempt = own.begin().map_err(RunFailure::unwritten(own.path()))?;
         let done = self.attempt(place, &own, attempt, interrupted);
+        if let Err(RunFailure::Failed(_) | RunFailure::Unwritten(_)) = &done
+            && let Some(result) = self.complete(&own, place)
+        {
+            // Another process has completed it meanwhile, and cleared this one's folder.
+            return Ok(result);
+        }
         if let Err(RunFailure::Failed(sentence)) = &done {
-            // Another process may have completed it meanwhile, and cleared this one's folder.
-            if let Some(result) = self.complete(&own, place) {
-                return Ok(result);
-            }
             own.fail(sentence).map_err(RunFailure::unwritten(own.path()))?;
         }
         done
