@@ -58,8 +58,10 @@ def word(value: Any) -> Any:
         return value.__anemo_text__()
     if isinstance(value, os.PathLike):
         return os.fspath(value)
-    if hasattr(value, "__arrow_c_stream__") or isinstance(value, Mapping):
-        return Table(value if hasattr(value, "__arrow_c_stream__") else dict(value))
+    if hasattr(value, "__arrow_c_stream__"):
+        return Table(value)
+    if isinstance(value, Mapping):
+        return Table(dict(value))
     if getattr(value, "shape", ()) != ():
         raise Error("an array has no names: give a table, or a dict of names to one-dimensional arrays", 2)
     plain = value.item() if hasattr(value, "item") else value

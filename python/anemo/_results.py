@@ -61,10 +61,7 @@ class File:
 
     def write(self, path: os.PathLike[str] | str) -> None:
         """Writes the file, in whole or not at all."""
-        path = Path(path)
-        beside = path.with_name(f".{path.name}.{os.getpid()}")
-        beside.write_text(self.text, encoding="utf-8")
-        os.replace(beside, path)
+        self.__anemo_text__().write(path)
 
     def __str__(self) -> str:
         return self.report.text or self.text

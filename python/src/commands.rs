@@ -38,6 +38,12 @@ impl Text {
     fn new(folder: PathBuf, extension: String, text: String) -> Self {
         Self { folder, extension, text }
     }
+
+    /// Writes the file, in whole or not at all.
+    fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let failed = |reason| error(py, 1, &format!("{}: cannot be written: {reason}", path.display()));
+        recording::Temporary::write(&path, self.text.as_bytes()).map_err(failed)
+    }
 }
 
 /// A word of a command line, or what stands for one.
@@ -49,35 +55,35 @@ pub enum Argument<'py> {
     Text(PyRef<'py, Text>),
 }
 
-/// Words as the command has them, and names that last as long as it works.
+/// Words as the command has them, names that last as long as it works, and what these stand for.
+#[derive(Default)]
 struct Words {
     words: Vec<String>,
     named: Vec<InMemory>,
+    called: Vec<(String, &'static str)>,
 }
 
 impl Words {
     fn push(&mut self, option: &str, word: &Argument<'_>) {
-        let named = match word {
+        let (named, what) = match word {
             Argument::Word(word) => return self.words.push(format!("{option}{word}")),
-            Argument::Table(table) => InMemory::table(Arc::clone(&table.inner) as _),
-            Argument::Model(model) => InMemory::text("".as_ref(), "json", &model.inner.to_json()),
-            Argument::Text(text) => InMemory::text(&text.folder, &text.extension, &text.text),
+            Argument::Table(table) => (InMemory::table(Arc::clone(&table.inner) as _), "the table"),
+            Argument::Model(model) => (InMemory::text("".as_ref(), "json", &model.inner.to_json()), "the model"),
+            Argument::Text(text) => (InMemory::text(&text.folder, &text.extension, &text.text), "the text"),
         };
-        self.words.push(format!("{option}{}", named.path().display()));
+        self.name(option, &named, what);
         self.named.push(named);
     }
 
+    fn name(&mut self, option: &str, named: &InMemory, what: &'static str) {
+        let path = named.path().display().to_string();
+        self.words.push(format!("{option}{path}"));
+        self.called.push((path, what));
+    }
+
     /// A sentence in which what has a name for the moment only is called what it is.
-    fn told(&self, sentence: &str) -> String {
-        self.named.iter().fold(sentence.to_owned(), |sentence, named| {
-            let path = named.path().display().to_string();
-            let what = match path.rsplit('.').next() {
-                Some("parquet") => "the table",
-                Some("json") => "the model",
-                _ => "the text",
-            };
-            sentence.replace(&path, what)
-        })
+    fn readable(&self, sentence: &str) -> String {
+        self.called.iter().fold(sentence.to_owned(), |sentence, (path, what)| sentence.replace(path, what))
     }
 }
 
@@ -91,11 +97,11 @@ type Done = (Option<String>, String, Vec<String>, u8, Option<String>, Option<PyT
 #[pyfunction]
 #[pyo3(signature = (words, place = None))]
 pub fn perform(py: Python<'_>, words: Vec<(String, Argument<'_>)>, place: Option<&str>) -> PyResult<Done> {
-    let mut all = Words { words: Vec::new(), named: Vec::new() };
+    let mut all = Words::default();
     words.iter().for_each(|(option, word)| all.push(option, word));
     let wanted = place.map(|option| {
         let wanted = InMemory::place();
-        all.words.push(format!("{option}={}", wanted.path().display()));
+        all.name(&format!("{option}="), &wanted, "the table");
         wanted
     });
     let (flag, words) = (Arc::new(AtomicBool::new(false)), all.words.clone());
@@ -105,18 +111,14 @@ pub fn perform(py: Python<'_>, words: Vec<(String, Argument<'_>)>, place: Option
     };
     let (performed, signal) = waited_for(py, &flag, work)?;
     let Performed { heard, outcome } = performed;
-    let place = wanted.as_ref().map(|wanted| wanted.path().display().to_string());
-    let told = |text: &str| {
-        let text = all.told(text);
-        place.as_ref().map_or(text.clone(), |place| text.replace(place, "the table"))
-    };
+    let readable = |text: &str| all.readable(text);
     let table = wanted.and_then(InMemory::take).map(|written| PyTable::of(ArrowTable::of_columns(written)));
     let (code, sentence) = match outcome {
         Ok(()) => (0, None),
-        Err(Failure { code, sentence }) => (code, Some(told(&sentence))),
+        Err(Failure { code, sentence }) => (code, Some(readable(&sentence))),
     };
-    let warnings = heard.warnings.iter().map(|warning| told(warning)).collect();
-    Ok((heard.json.map(|json| told(&json)), told(&heard.printed), warnings, code, sentence, table, signal))
+    let warnings = heard.warnings.iter().map(|warning| readable(warning)).collect();
+    Ok((heard.json.map(|json| readable(&json)), readable(&heard.printed), warnings, code, sentence, table, signal))
 }
 
 /// Does work on a thread, with a pool of its own, so that no thread is left once it is done.
