@@ -131,7 +131,7 @@ fn same_kinds(combination: &Combination, readings: &CombinedReadings) -> Result<
 
 /// The combination of a file, of as many instruments as are given.
 fn combination_of(by: &Path, arguments: &Arguments) -> Result<Combination, Failure> {
-    let text = std::fs::read_to_string(by).map_err(|error| Failure::in_file(by, error))?;
+    let text = recording::regular::read_text(by).map_err(|error| Failure::in_file(by, error))?;
     let combination: Combination = serde_json::from_str(&text)
         .map_err(|error| Failure::in_file(by, format!("is no combination of `anemo combine`: {error}")))?;
     if let Some(problem) = combination.problem() {

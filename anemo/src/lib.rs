@@ -209,6 +209,7 @@ pub fn main_of(words: Vec<String>) -> u8 {
             };
         }
     };
+    progress::show_fetches();
     match execute(&arguments.command) {
         Ok(()) => 0,
         Err(failure) => {

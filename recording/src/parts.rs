@@ -10,9 +10,9 @@ use std::path::{Path, PathBuf};
 use crate::csv_read::CsvReader;
 use crate::error::RecordingError;
 use crate::file_format::JOURNAL;
-use crate::regular;
+use crate::segment_names::number_of_segment;
+use crate::{object, regular};
 
-const SEGMENT: &str = "segment-";
 /// Metadata key: which of its recording's segments a file is, from 1.
 pub(crate) const SEGMENT_NUMBER: &str = "segment";
 
@@ -27,12 +27,6 @@ pub fn journal_of(file: &Path) -> PathBuf {
     name.push(".");
     name.push(JOURNAL);
     name.into()
-}
-
-/// A segment of a folder.
-pub(crate) fn segment_in(folder: &Path, number: u32) -> PathBuf {
-    let extension = if cfg!(feature = "parquet") { "parquet" } else { "csv" };
-    folder.join(format!("{SEGMENT}{number:06}.{extension}"))
 }
 
 /// The number of the segment that follows those of a folder.
@@ -58,13 +52,6 @@ pub(crate) fn segments_in(folder: &Path) -> Result<Vec<(u32, PathBuf)>, Recordin
     Ok(segments)
 }
 
-/// The number that a segment's name says.
-pub(crate) fn number_of_segment(file: &Path) -> Option<u32> {
-    let is_table = file.extension().is_some_and(|extension| extension == "parquet" || extension == "csv");
-    let number = file.file_stem()?.to_str()?.strip_prefix(SEGMENT)?;
-    number.parse().ok().filter(|_| is_table)
-}
-
 /// The number of the segment that a journal's rows will be.
 pub(crate) fn number_of(journal: &Path) -> Option<u32> {
     let file = regular::open(journal).ok()?;
@@ -78,6 +65,9 @@ pub(crate) fn number_of(journal: &Path) -> Option<u32> {
 /// # Errors
 /// If a folder holds no recording, or a pattern names no file.
 pub(crate) fn files_of(path: &Path) -> Result<Vec<PathBuf>, RecordingError> {
+    if object::is_object(path) {
+        return objects_of(path);
+    }
     if path.is_dir() {
         let segments = segments_in(path)?;
         let journal = journal_in(path);
@@ -102,4 +92,22 @@ pub(crate) fn files_of(path: &Path) -> Result<Vec<PathBuf>, RecordingError> {
         return Err(RecordingError::new(path, "no file has such a name"));
     }
     Ok(files)
+}
+
+/// The same of objects, which no journal is among.
+fn objects_of(path: &Path) -> Result<Vec<PathBuf>, RecordingError> {
+    let is_pattern = path.to_string_lossy().contains(['*', '?', '[']);
+    let found = match path.extension() {
+        _ if is_pattern => object::matching(path),
+        None => object::segments_in(path),
+        Some(_) => return Ok(vec![path.to_owned()]),
+    };
+    let found = found.map_err(|error| RecordingError::io(path, "read", error))?;
+    match (found.is_empty(), is_pattern) {
+        (false, _) => Ok(found),
+        (true, true) => Err(RecordingError::new(path, "no object has such a name")),
+        (true, false) => {
+            Err(RecordingError::new(path, "has no objects segment-*.parquet below it: it holds no recording"))
+        }
+    }
 }

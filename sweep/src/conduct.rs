@@ -119,6 +119,7 @@ impl Plan {
             done.map_err(
                 |failure| if interrupted.load(Ordering::Relaxed) { RunFailure::Interrupted } else { failure },
             )?;
+            RunFolder::refuse_result(folder, step)?;
         }
         if !self.file.keeps_recordings {
             recordings.iter().try_for_each(fs::remove_file).map_err(RunFailure::unwritten(folder))?;

@@ -27,6 +27,8 @@ pub(crate) struct Documents {
     documents: BTreeMap<PathBuf, Document>,
     /// Hashes of recordings.
     recordings: BTreeMap<PathBuf, String>,
+    /// Hashes of what steps read beside the sweep file.
+    read_by_steps: Vec<String>,
 }
 
 /// An experiment of a run: the texts of its files.
@@ -72,6 +74,13 @@ impl Documents {
                 added.map_err(|error| named_by(&file.source, &format!("vary[{place}].key"), error))?;
             }
         }
+        for (place, step) in file.then.iter().enumerate() {
+            for path in step.files_in(folder) {
+                let hash = content_hash(&path);
+                let hash = hash.map_err(|error| named_by(&file.source, &format!("then[{place}]"), error))?;
+                all.read_by_steps.push(hash);
+            }
+        }
         Ok(all)
     }
 
@@ -103,22 +112,7 @@ impl Documents {
     }
 
     fn add_recording(&mut self, path: &Path) -> Result<(), FileError> {
-        use std::io::Read as _;
-        let unreadable = |error: std::io::Error| FileError {
-            path: path.to_owned(),
-            line: None,
-            sentence: format!("cannot be read: {error}"),
-        };
-        let mut file = recording::regular::open(path).map_err(unreadable)?;
-        let mut hasher = XxHash3_128::new();
-        let mut piece = vec![0; 1 << 20];
-        loop {
-            match file.read(&mut piece).map_err(unreadable)? {
-                0 => break,
-                read => hasher.write(&piece[..read]),
-            }
-        }
-        self.recordings.insert(path.to_owned(), format!("{:032x}", hasher.finish_128()));
+        self.recordings.insert(path.to_owned(), content_hash(path)?);
         Ok(())
     }
 
@@ -191,7 +185,8 @@ impl Documents {
         })
     }
 
-    /// The hash of a run: of its files, of what is done with it, and of the version that does it.
+    /// The hash of a run: of its files, of what is done with it and read for that, and of the
+    /// version that does it.
     pub fn hash(&self, file: &SweepFile, run: &ExpandedRun) -> String {
         let mut hasher = XxHash3_128::new();
         let mut add = |part: &str| {
@@ -204,7 +199,26 @@ impl Documents {
         }
         run.recording.iter().filter_map(|path| self.recordings.get(path)).for_each(|hash| add(hash));
         file.then.iter().for_each(|step| add(&step.words.join("\0")));
+        self.read_by_steps.iter().for_each(|hash| add(hash));
         format!("{:032x}", hasher.finish_128())
+    }
+}
+
+fn content_hash(path: &Path) -> Result<String, FileError> {
+    use std::io::Read as _;
+    let unreadable = |error: std::io::Error| FileError {
+        path: path.to_owned(),
+        line: None,
+        sentence: format!("cannot be read: {error}"),
+    };
+    let mut file = recording::regular::open(path).map_err(unreadable)?;
+    let mut hasher = XxHash3_128::new();
+    let mut piece = vec![0; 1 << 20];
+    loop {
+        match file.read(&mut piece).map_err(unreadable)? {
+            0 => return Ok(format!("{:032x}", hasher.finish_128())),
+            read => hasher.write(&piece[..read]),
+        }
     }
 }
 

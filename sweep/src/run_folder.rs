@@ -22,6 +22,8 @@ use tempfile::{Builder, TempDir};
 use twox_hash::XxHash3_128;
 
 use crate::documents::{ExpandedExperiment, ExpandedRun};
+use crate::error::RunFailure;
+use crate::step::StepCommand;
 use recording::Temporary;
 
 const RESULT: &str = "result.json";
@@ -96,6 +98,17 @@ impl RunFolder {
     /// Writes the results into the folder of an attempt.
     pub fn write_result(attempt: &Path, result: &RunResult) -> io::Result<()> {
         fs::write(attempt.join(RESULT), serde_json::to_vec(result)?)
+    }
+
+    /// Refuses and removes a file of a step in the place of the results.
+    pub fn refuse_result(attempt: &Path, step: &StepCommand) -> Result<(), RunFailure> {
+        let own = attempt.join(RESULT);
+        if !own.exists() {
+            return Ok(());
+        }
+        fs::remove_file(&own).map_err(RunFailure::unwritten(&own))?;
+        let shown = step.words.join(" ");
+        Err(RunFailure::Failed(format!("`{shown}`: writes {RESULT}, which is the sweep's: name another file")))
     }
 
     /// Takes over the files of an attempt, the results last. None waits for the disk: what a power

@@ -36,8 +36,20 @@ pub(crate) struct StepPlaces<'a> {
 }
 
 impl StepPlaces<'_> {
-    fn fill(&self, word: &str) -> String {
-        word.replace("{recording}", self.recording).replace("{sweep}", self.sweep)
+    /// The arguments of a word, with the files of a folder that match a pattern, as a shell has it:
+    /// a recording whose name has a `*` is none.
+    fn arguments(&self, folder: &Path, word: &str) -> Vec<String> {
+        let filled = |of: fn(&str) -> String| {
+            word.replace("{recording}", &of(self.recording)).replace("{sweep}", &of(self.sweep))
+        };
+        let literal = filled(str::to_owned);
+        if !is_pattern(word) {
+            return vec![literal];
+        }
+        let names: Vec<String> = matching(folder, &filled(glob::Pattern::escape))
+            .map(|path| path.strip_prefix(folder).unwrap_or(&path).to_string_lossy().into_owned())
+            .collect();
+        if names.is_empty() { vec![literal] } else { names }
     }
 }
 
@@ -63,6 +75,14 @@ impl StepCommand {
         }
     }
 
+    /// The files beside the sweep file that it may read, by its words with `{sweep}`.
+    pub fn files_in(&self, sweep: &Path) -> Vec<PathBuf> {
+        let named = |word: &String| Some(word.split_once("{sweep}")?.1.trim_start_matches('/').to_owned());
+        let of =
+            |name: String| if is_pattern(&name) { matching(sweep, &name).collect() } else { vec![sweep.join(name)] };
+        self.words.iter().filter_map(named).flat_map(of).filter(|path| path.is_file()).collect()
+    }
+
     /// Steps with a name each: the second `identify` is `identify_2`.
     pub fn named(steps: Vec<Self>) -> Vec<Self> {
         let name = |place: usize| {
@@ -84,7 +104,7 @@ impl StepCommand {
         places: &StepPlaces<'_>,
         results: &mut Map<String, Value>,
     ) -> Result<(), RunFailure> {
-        let words: Vec<String> = self.words.iter().flat_map(|word| matching(folder, &places.fill(word))).collect();
+        let words: Vec<String> = self.words.iter().flat_map(|word| places.arguments(folder, word)).collect();
         let shown = self.words.join(" ");
         let mut command = Command::new(program);
         // A sweep has a thread for every core already.
@@ -114,15 +134,14 @@ impl StepCommand {
     }
 }
 
-/// As a shell does: the files of a folder that match a pattern, or the word itself.
-fn matching(folder: &Path, word: &str) -> Vec<String> {
-    let pattern = Path::new(&glob::Pattern::escape(&folder.to_string_lossy())).join(word);
-    let found =
-        Some(word).filter(|word| word.contains(['*', '?'])).and_then(|_| glob::glob(&pattern.to_string_lossy()).ok());
-    let inside = |path: PathBuf| path.strip_prefix(folder).map_or(path.clone(), Path::to_path_buf);
-    let names: Vec<String> =
-        found.into_iter().flatten().flatten().map(|path| inside(path).to_string_lossy().into_owned()).collect();
-    if names.is_empty() { vec![word.to_owned()] } else { names }
+fn is_pattern(word: &str) -> bool {
+    word.contains(['*', '?'])
+}
+
+/// The files of a folder that match a pattern, or lie elsewhere if it says so.
+fn matching(folder: &Path, pattern: &str) -> impl Iterator<Item = PathBuf> {
+    let pattern = Path::new(&glob::Pattern::escape(&folder.to_string_lossy())).join(pattern);
+    glob::glob(&pattern.to_string_lossy()).into_iter().flatten().flatten()
 }
 
 #[cfg(test)]
@@ -139,5 +158,23 @@ mod tests {
         for wrong in ["", "identify 'a", "sweep a.toml", "--json"] {
             StepCommand::parse(wrong).unwrap_err();
         }
+    }
+
+    #[test]
+    fn only_what_is_written_as_a_pattern_is_one() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["a-1.parquet", "a-2.parquet", "b.parquet"] {
+            std::fs::write(folder.path().join(name), "").unwrap();
+        }
+        let places = StepPlaces { recording: "/r/a*?.parquet", sweep: "/s[1]" };
+        let of = |word: &str| places.arguments(folder.path(), word);
+        assert_eq!(of("{recording}"), ["/r/a*?.parquet"]);
+        assert_eq!(of("a-*.parquet"), ["a-1.parquet", "a-2.parquet"]);
+        assert_eq!(of("none-*"), ["none-*"]);
+        let places = StepPlaces { sweep: &folder.path().to_string_lossy(), ..places };
+        assert_eq!(places.arguments(folder.path(), "{sweep}/?.parquet"), ["b.parquet"]);
+        let step = StepCommand::parse("calibrate --network={sweep}/b.parquet {sweep}/a-* {sweep}/none x").unwrap();
+        let files = ["b.parquet", "a-1.parquet", "a-2.parquet"].map(|name| folder.path().join(name));
+        assert_eq!(step.files_in(folder.path()), files);
     }
 }

@@ -83,6 +83,16 @@ fn the_hash_is_of_what_is_run_and_not_of_where_or_how_it_is_written() {
     fs::write(&head, fs::read_to_string(&head).unwrap().replace("energy_j = 12.0", "energy_j = 12.5")).unwrap();
     let changed = hashes(&Plan::read(&other.path().join("again.toml")).unwrap());
     assert!(changed.iter().zip(&whole).all(|(changed, before)| changed != before));
+    // What a step reads beside the sweep file counts, as its words do.
+    let with_step = |text: &str| {
+        fs::write(one.path().join("network.json"), text).unwrap();
+        hashes(&plan(
+            one.path(),
+            &format!("then = [\"calibrate {{recording}} --network {{sweep}}/network.json\"]\n{SEEDS}"),
+        ))
+    };
+    let (first, second) = (with_step("{}"), with_step("{} "));
+    assert!(first[0] != second[0] && first == with_step("{}"));
 }
 
 #[test]

@@ -45,11 +45,7 @@ pub fn anemo() -> Result<PathBuf> {
 ///
 /// All of them, as the tests need them: for one alone cargo chooses other features.
 pub fn interface() -> Result<PathBuf> {
-    let mut cargo = shell::cargo();
-    executable(
-        cargo.args(["build", "--release", "--workspace", "--exclude", "anemo-python", "--examples"]),
-        "interface",
-    )
+    executable(shell::cargo_of_all("build").arg("--examples"), "interface")
 }
 
 /// Builds an image of the firmware: `firmware` itself, `cost` or `overflow`.

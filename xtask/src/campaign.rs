@@ -48,8 +48,8 @@ impl CampaignKind {
 pub fn run(options: &CampaignOptions) -> Result<()> {
     let [binary, tests, variable] = options.what.test();
     let cargo = |arguments: &[&str]| {
-        let mut cargo = shell::cargo();
-        cargo.args(["test", "--release", "--workspace", "--exclude", "anemo-python"]).args(arguments);
+        let mut cargo = shell::cargo_of_all("test");
+        cargo.args(arguments);
         cargo
     };
     let anemo = artefacts::executable(&mut cargo(&["--lib", "--bins", "--tests", "--no-run"]), "anemo")?;

@@ -29,6 +29,14 @@ pub fn cargo() -> Command {
     command
 }
 
+/// A job of cargo for the whole workspace, with every feature that the tests need, so that nothing
+/// is compiled twice. Without the Python package, which has Python's tests.
+pub fn cargo_of_all(job: &str) -> Command {
+    let mut cargo = cargo();
+    cargo.args([job, "--release", "--workspace", "--exclude", "anemo-python", "--features", "anemo/object-store"]);
+    cargo
+}
+
 /// Where cargo puts what it builds.
 pub fn target_directory() -> Result<PathBuf> {
     // Cargo puts this program into a folder named by its profile, in there.

@@ -30,9 +30,8 @@ pub fn run(jobs: clap::Command) -> Result<()> {
     // Always the whole workspace and its tests: for some of its crates alone cargo chooses other
     // features, and compiles everything once more.
     let cargo = |arguments: &[&str]| {
-        let mut cargo = shell::cargo();
-        // The Python package has Python's tests.
-        cargo.args(["test", "--release", "--workspace", "--exclude", "anemo-python"]).args(arguments);
+        let mut cargo = shell::cargo_of_all("test");
+        cargo.args(arguments);
         cargo
     };
     // Tests that cross crates start these programs; they are handed over built.

@@ -111,6 +111,20 @@ fn a_step_of_every_run_makes_columns_and_its_failure_a_sentence() {
     }
 }
 
+#[test]
+fn a_step_that_writes_the_results_of_the_sweep_fails_with_a_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    let experiment = root().join("experiments/prbs.toml");
+    let text = format!(
+        "experiment = {experiment:?}\nthen = [\"identify {{recording}} --output sector1 --order 3 --mesh 0.001:1 -o result.json\"]\n[[vary]]\nkey = \"duration_s\"\nvalues = [60.0]\n"
+    );
+    fs::write(folder.path().join("one.toml"), text).unwrap();
+    refused(folder.path(), &words("sweep one.toml"), 1);
+    let table = Recording::read(&folder.path().join("one/results.parquet")).unwrap();
+    let sentence = table.words("failed").unwrap();
+    assert!(sentence.word(0).ends_with("writes result.json, which is the sweep's: name another file"), "{sentence:?}");
+}
+
 #[cfg(unix)]
 #[test]
 fn an_interrupted_sweep_ends_soon_keeps_what_is_done_and_goes_on() {
