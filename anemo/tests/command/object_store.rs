@@ -142,6 +142,12 @@ fn recordings_and_models_are_read_and_written_as_objects_by_the_name_of_the_buck
     assert_eq!(fetched, 2, "{}", store.log());
     stdout(&store.anemo("validate s3://winds/models/parts.json s3://winds/run/a.csv"));
 
+    // An experiment names its head as a file does.
+    let up = "[s3.upload_file(root + n, 'winds', n) for root in ('{root}',) for n in ('experiments/steady.toml', 'heads/sphere-b.toml', 'heads/models/sphere-b-mars-still.toml')]";
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../");
+    assert!(store.python(&up.replace("{root}", root)).status.success());
+    stdout(&store.anemo("check s3://winds/experiments/steady.toml"));
+
     // What is read is not written over; what is not there has the sentence of a file.
     let over = store.refused("reduce s3://winds/models/parts.json --order 1 -o s3://winds/models/parts.json", 2);
     assert!(over.contains("is read by this command"), "{over}");

@@ -38,9 +38,26 @@ impl ObjectPlace {
         if bucket.is_empty() || key.is_empty() || key.starts_with('/') || !bucket.chars().all(is_of_bucket) {
             return Err(io::Error::other("it names no object: s3://bucket/name belongs here"));
         }
-        let key = Key::parse(key).map_err(|error| io::Error::other(format!("it names no object: {error}")))?;
+        let key =
+            Key::parse(without_dots(key)).map_err(|error| io::Error::other(format!("it names no object: {error}")))?;
         Ok(Self { store: store_of(bucket)?, key })
     }
+}
+
+/// The key of a file that another names: `experiments/../heads/b.toml` lies beside `experiments`,
+/// though a store knows no folders.
+fn without_dots(key: &str) -> String {
+    let mut parts = Vec::new();
+    for part in key.split('/') {
+        match part {
+            "." => {}
+            ".." if parts.last().is_some_and(|last| *last != "..") => {
+                parts.pop();
+            }
+            _ => parts.push(part),
+        }
+    }
+    parts.join("/")
 }
 
 fn store_of(bucket: &str) -> io::Result<Arc<AmazonS3>> {
