@@ -14,10 +14,11 @@ use diffusive::identify::record::{RecordSource as _, RecordStream};
 
 /// Sum the parts of a long record, on as many machines as there are, for `anemo identify`.
 ///
-/// First a plan is made of all parts, in their order: it says what is tried, and where each part
+/// First a plan is made of all parts, in their order: it holds what is tried, and where each part
 /// stands. Then each part is summed by itself, with the plan. Sums of neighbours may be joined.
-/// `anemo identify` makes of all sums the model that it makes of the whole record with `--losses
-/// none`, as far as numbers of 16 digits tell. Parts are those of one segment, without gaps.
+/// From all sums `anemo identify` makes the model of the whole record with `--losses none`, to the
+/// last digit. Parts are files that go on where the one before ended, recordings of the same head,
+/// or both; gaps may be anywhere.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -27,8 +28,8 @@ Examples:
   anemo gram first.gram second.gram -o both.gram
   anemo identify both.gram -o heater.json")]
 pub struct Arguments {
-    /// All parts of a record, for a plan; with --plan, one of them; or .gram files of neighbours,
-    /// in any order, to be joined.
+    /// All parts of a record, or all recordings, for a plan; with --plan, one of them; or .gram
+    /// files of neighbours, in any order, to be joined.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Sum a part of the record for which this plan was made.
@@ -55,6 +56,8 @@ impl From<GramError> for Failure {
 struct GramReport<'a> {
     record: &'a Path,
     record_rows: u64,
+    /// More than one where files do not go on where the one before ended, or have gaps.
+    segments: usize,
     parts: usize,
     /// First row and number of rows of the sums; none of a plan.
     first_row: Option<u64>,
@@ -65,7 +68,8 @@ struct GramReport<'a> {
 
 impl Display for GramReport<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Self { record_rows, parts, bytes, .. } = self;
+        let Self { record_rows, segments, parts, bytes, .. } = self;
+        let segments = format!("{segments} segment{}", if *segments == 1 { "" } else { "s" });
         let (record, written) = (self.record.display(), self.written.display());
         match (self.first_row, self.rows) {
             (Some(first), Some(rows)) => {
@@ -74,7 +78,7 @@ impl Display for GramReport<'_> {
             }
             _ => writeln!(
                 f,
-                "plan of {record_rows} rows of {record} in {parts} parts written to {written}, {bytes} bytes"
+                "plan of {record_rows} rows in {segments} of {record} in {parts} parts written to {written}, {bytes} bytes"
             ),
         }
     }
@@ -120,6 +124,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let report = GramReport {
         record: plan.record(),
         record_rows: plan.rows(),
+        segments: plan.segments(),
         parts: plan.parts.len(),
         first_row: of(|sums| sums.first_row),
         rows: of(|sums| sums.rows),

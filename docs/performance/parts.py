@@ -2,10 +2,11 @@
 """Identification in parts beside that of the whole record: four sectors in a gas that drifts, cut at random places.
 
     cargo xtask python --no-test
-    target/tools/python/bin/python docs/performance/parts.py [DURATION_S] [SEED]
+    target/tools/python/bin/python docs/performance/parts.py [DURATION_S] [SEED] [RECORDINGS]
 
 Cuts the record 1, 7 and 64 times, sums the parts by `anemo gram`, joins some of them, and identifies all. Prints how far
 resistances and standard errors are from those of the whole, of the largest, the most memory that any step took, and sizes.
+With RECORDINGS a minute is missing at the end of each of so many stretches: recordings of one head, cut anywhere.
 """
 import json
 import os
@@ -34,6 +35,15 @@ def record(duration_s):
     return table.select([name for name in table.column_names if name.startswith(("time_s", "power_w", "temperature_c"))])
 
 
+def recordings(table, count):
+    """Stretches of a record, a minute apart."""
+    if count == 1:
+        return [table]
+    borders = np.linspace(0, table.num_rows, count + 1).astype(int)
+    gap = round(60.0 / (table["time_s"][1].as_py() - table["time_s"][0].as_py()))
+    return [table.slice(begin, end - begin - gap) for begin, end in zip(borders, borders[1:])]
+
+
 def run(*words):
     """A command, the seconds that it took, and its peak of memory in MiB."""
     command = os.environ.get("ANEMO_BIN", str(ROOT / "target/release/anemo"))
@@ -58,16 +68,18 @@ def numbers(model, key):
 
 
 def main():
-    duration_s, seed = (sys.argv[1:] + ["1500", "1"][len(sys.argv) - 1 :])[:2]
-    chance, table = random.Random(int(seed)), record(float(duration_s))
+    duration_s, seed, count = (sys.argv[1:] + ["1500", "1", "1"][len(sys.argv) - 1 :])[:3]
+    chance, tables = random.Random(int(seed)), recordings(record(float(duration_s)), int(count))
+    table = pa.concat_tables(tables)
     rows = table.num_rows
     with tempfile.TemporaryDirectory() as folder:
-        whole = Path(folder, "whole.parquet")
-        pq.write_table(table, whole)
-        text, whole_s, whole_mib = run("identify", whole, *OPTIONS, "--losses", "none", "--json")
+        wholes = [Path(folder, f"whole-{at:03}.parquet") for at in range(len(tables))]
+        for path, own in zip(wholes, tables):
+            pq.write_table(own, path)
+        text, whole_s, whole_mib = run("identify", *wholes, *OPTIONS, "--losses", "none", "--json")
         expected = json.loads(text)
         drift = [output["drift"]["kind"] if output.get("drift") else "none" for output in expected["outputs"]]
-        print(f"{rows} rows, drift {', '.join(drift)}; the whole in {whole_s:.1f} s and {whole_mib:.0f} MiB")
+        print(f"{rows} rows in {count} recordings, drift {', '.join(drift)}; the whole in {whole_s:.1f} s and {whole_mib:.0f} MiB")
         for cuts in (1, 7, 64):
             borders = [0, *sorted(chance.sample(range(1, rows), cuts)), rows]
             parts, sums, mib = [], [], {}

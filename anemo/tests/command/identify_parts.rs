@@ -66,6 +66,49 @@ fn sums_of_parts_make_the_model_of_the_whole_in_any_order_and_as_a_tree() {
     }
 }
 
+/// Three recordings of one head, of which two are of the same times; the second was cut, and the
+/// third has a gap.
+#[test]
+fn sums_of_recordings_of_one_head_make_the_model_of_them_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    record(folder, "all.csv", 0..ROWS, "time_s", "temperature_c");
+    let all = std::fs::read_to_string(folder.join("all.csv")).unwrap();
+    let rows: Vec<&str> = all.lines().skip(1).map(|line| line.split_once(',').unwrap().1).collect();
+    let write = |name: &str, first_row: usize, own: std::ops::Range<usize>, gap: std::ops::Range<usize>| {
+        let mut text = "time_s,power_w,temperature_c\n".to_owned();
+        for row in own.filter(|row| !gap.contains(row)) {
+            let _ = writeln!(text, "{:.1},{}", 0.1 * (row - first_row) as f64, rows[row]);
+        }
+        std::fs::write(folder.join(name), text).unwrap();
+    };
+    write("a.csv", 0, 0..3000, 0..0);
+    write("b.csv", 3100, 3100..6100, 0..0);
+    write("b1.csv", 3100, 3100..4177, 0..0);
+    write("b2.csv", 3100, 4177..6100, 0..0);
+    write("c.csv", 6000, 6000..9000, 7003..7050);
+    let whole = json(folder, &["identify", "a.csv", "b.csv", "c.csv", "--losses", "none", "--json"]);
+    let cut: &[&str] = &["a.csv", "b1.csv", "b2.csv", "c.csv"];
+    for parts in [&["a.csv", "b.csv", "c.csv"][..], cut] {
+        stdout(&anemo(folder, &[&["gram"], parts, &["-o", "r.plan"]].concat()));
+        for part in parts {
+            // Parts are known by their rows, whatever they are called.
+            std::fs::copy(folder.join(part), folder.join("some.csv")).unwrap();
+            stdout(&anemo(folder, &["gram", "some.csv", "--plan", "r.plan", "-o", &part.replace("csv", "gram")]));
+        }
+        let sums: Vec<String> = parts.iter().rev().map(|part| part.replace("csv", "gram")).collect();
+        let sums: Vec<&str> = sums.iter().map(String::as_str).collect();
+        let flat = json(folder, &[&["identify"], &sums[..], &["--json"]].concat());
+        stdout(&anemo(folder, &["gram", sums[0], sums[1], "-o", "joined.gram"]));
+        let tree = json(folder, &[&["identify", "joined.gram"], &sums[2..], &["--json"]].concat());
+        for model in [flat, tree] {
+            assert_eq!(model["pairs"], whole["pairs"]);
+            assert_eq!(model["chosen"], whole["chosen"]);
+            assert_eq!(model["warnings"], whole["warnings"]);
+        }
+    }
+}
+
 #[test]
 fn what_does_not_belong_together_is_refused_with_a_sentence() {
     let folder = tempfile::tempdir().unwrap();
@@ -117,10 +160,16 @@ fn what_does_not_belong_together_is_refused_with_a_sentence() {
         assert!(sentence.contains("is broken off or damaged"), "{} bytes: {sentence}", damaged.len());
     }
 
-    // What rows alone tell; segments.
+    // What is in rows only; a value that is missing.
     let plan = |arguments: &[&str]| refused(folder, &[&["gram"], arguments, &["-o", "out.plan"]].concat(), 1);
     assert!(plan(&["a.csv", "--free-poles", "2"]).contains("identify the record as a whole"));
-    assert!(plan(&["a.csv", "c.csv"]).contains("parts of one segment add up"));
+    let lacking = std::fs::read_to_string(folder.join("a.csv")).unwrap();
+    let lacking: Vec<&str> = lacking.lines().collect();
+    let row = &lacking[101][..lacking[101].rfind(',').unwrap() + 1];
+    let lacking = [&lacking[..101], &[row], &lacking[102..]].concat().join("\n");
+    std::fs::write(folder.join("lacking.csv"), lacking).unwrap();
+    let sentence = plan(&["lacking.csv", "b.csv"]);
+    assert!(sentence.contains("lacks an output in row 101: fill it, or identify the record as a whole"), "{sentence}");
     // Nothing was written of what was refused.
     assert!(!folder.join("out.gram").exists() && !folder.join("out.plan").exists());
 }

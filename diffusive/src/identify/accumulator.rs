@@ -1,60 +1,47 @@
 //! One pass over a record for one design: the sums, fold by fold.
 
-use nalgebra::DMatrix;
-
 use super::design::RegressionDesign;
+use super::folded_sums::{FoldSums, FoldedSums};
 use super::gas_source::GasSource;
-use super::gram::{Gram, in_places};
+use super::gram::Gram;
 use super::panels::{self, BATCH, LANES, Panel, Tile};
 use super::record::Block;
 use super::rows::{RegressionRows, RowStates};
-use super::segment::{LaterSegment, with_starts};
+use super::segment::{self, with_starts};
 
 /// One pass over a record for one design.
 pub struct Accumulator {
     rows: RegressionRows,
     panels: Vec<Panel>,
-    /// Sums of what is being read of a segment, and its rows.
+    /// Sums of what is being read of a fold, and its rows.
     tiles: Vec<Tile>,
-    part_rows: u64,
+    fold_rows: u64,
     /// The fold that is being read.
     at: usize,
+    /// The segment that is being read, whether it is the record's first, and its next row.
+    segment: FoldedSums,
+    is_first: bool,
     segment_row: u64,
-    /// The first segment's initial state has columns of its own; what later ones began with is
-    /// taken out of the sums.
-    later: Option<LaterSegment>,
-    folds: Vec<Gram>,
+    /// What the segments before left.
+    record: FoldedSums,
     /// First row behind every fold but the last.
     borders: Vec<u64>,
-    /// States behind every fold, from the one on in which reading began.
-    ends: Vec<Vec<f64>>,
-    first_end: usize,
-    /// States in the first row that says something, if it was read.
+    /// States in the segment's first row that says something, if it was read.
     first: Option<Vec<f64>>,
-    /// Sums of the folds that were read of a part.
-    exact: Option<Vec<ExactSums>>,
     /// Whether products are summed, or states followed only.
     is_summing: bool,
     /// With the decays that later segments begin with, and how many those are.
     design: RegressionDesign,
     starts: usize,
     row: u64,
-    /// Rows at the beginning that say nothing: what drove them stood before the record.
+    /// Rows at the beginning of a segment that say nothing: what drove them stood before it.
     lead: u64,
 }
 
-/// Sums of a fold and what rounding took from them.
-pub struct ExactSums {
-    pub fold: usize,
-    pub rows: u64,
-    pub sums: [DMatrix<f64>; 2],
-}
-
-/// A part of a record: its sums by fold, states behind the folds that ended in it, in the first row
-/// that says something, and behind the last row.
-pub struct AccumulatedPart {
-    pub folds: Vec<ExactSums>,
-    pub ends: Vec<(usize, Vec<f64>)>,
+/// Rows of one segment: their sums, the states in the first row that says something, and what the
+/// next row depends on.
+pub struct AccumulatedRows {
+    pub sums: FoldedSums,
     pub first: Option<Vec<f64>>,
     pub states: RowStates,
 }
@@ -76,17 +63,15 @@ impl Accumulator {
             rows,
             panels: vec![[[0.0; LANES]; BATCH]; count],
             tiles: vec![Tile::default(); panels::tiles(count)],
-            part_rows: 0,
+            fold_rows: 0,
             at: 0,
+            segment: FoldedSums::default(),
+            is_first: true,
             segment_row: 0,
-            later: None,
+            record: FoldedSums::default(),
             starts: starts_rad_s.len(),
-            folds: vec![Gram::empty(design.width()); folds],
             borders: (1..folds as u64).map(|fold| expected_rows * fold / folds as u64).collect(),
-            ends: Vec::with_capacity(folds),
-            first_end: 0,
             first: None,
-            exact: None,
             is_summing: true,
             row: 0,
             lead: design.longest_delay() as u64,
@@ -100,18 +85,14 @@ impl Accumulator {
         Self { is_summing: false, ..self }
     }
 
-    /// Reads a part of the record, from a row on in which these are the states; from the first
-    /// without any.
+    /// Reads rows of one segment, from a row of the record and of the segment on, in which these
+    /// are the states.
     #[must_use]
-    pub fn of_part(mut self, row: u64, states: Option<&RowStates>, first_gas_c: Option<f64>) -> Self {
-        if let Some(states) = states {
-            self.rows.resume(states, first_gas_c);
-        }
+    pub fn of_rows(mut self, row: u64, segment_row: u64, states: &RowStates, first_gas_c: Option<f64>) -> Self {
+        self.rows.resume(states, first_gas_c);
         // The states behind a fold that ends with the row before are these.
         self.at = self.borders.partition_point(|&border| border < row);
-        self.first_end = self.at;
-        (self.row, self.segment_row) = (row, row);
-        self.exact = Some(Vec::new());
+        (self.row, self.segment_row) = (row, segment_row);
         self
     }
 
@@ -119,12 +100,10 @@ impl Accumulator {
         self.rows.states_and_late()
     }
 
-    /// What was read of a part.
-    pub fn into_part(mut self) -> AccumulatedPart {
-        self.end_part();
-        let states = self.rows.states_and_late();
-        let ends = (self.first_end..).zip(self.ends).collect();
-        AccumulatedPart { folds: self.exact.unwrap_or_default(), ends, first: self.first, states }
+    /// What was read of one segment.
+    pub fn into_rows(mut self) -> AccumulatedRows {
+        self.close_fold();
+        AccumulatedRows { sums: self.segment, first: self.first, states: self.rows.states_and_late() }
     }
 
     /// States of all columns, as the next row has them.
@@ -140,8 +119,7 @@ impl Accumulator {
         if block.begins_segment && self.row > 0 {
             self.end_segment();
             self.rows.restart();
-            self.segment_row = 0;
-            self.later = Some(LaterSegment::new(&self.design, self.starts));
+            (self.is_first, self.segment_row) = (false, 0);
         }
         let mut missing = block.missing.iter().map(|&row| row as usize).peekable();
         let mut from = 0;
@@ -150,7 +128,7 @@ impl Accumulator {
                 self.end_fold();
             }
             let mut rows = (BATCH - (self.row % BATCH as u64) as usize).min(block.len() - from);
-            if self.segment_row == self.lead && self.later.is_none() {
+            if self.segment_row == self.lead {
                 self.first = Some(self.column_states());
             }
             if let Some(&border) = self.borders.get(self.at) {
@@ -166,7 +144,7 @@ impl Accumulator {
             self.rows.fill(block, gas, from, rows, &mut self.panels);
             if self.is_summing && !is_lead && !is_missing {
                 panels::add_products(&self.panels, self.rows.is_live(), self.rows.width(), rows, &mut self.tiles);
-                self.part_rows += rows as u64;
+                self.fold_rows += rows as u64;
             }
             from += rows;
             self.row += rows as u64;
@@ -175,56 +153,42 @@ impl Accumulator {
     }
 
     /// Adds what was read since to the fold.
-    fn end_part(&mut self) {
-        if let (Some(exact), 1..) = (&mut self.exact, self.part_rows) {
-            let sums = in_places(&self.tiles, self.rows.width());
-            exact.push(ExactSums { fold: self.at, rows: self.part_rows, sums });
-        } else if self.part_rows > 0 {
-            let part = Gram::of(&self.tiles, self.rows.width(), self.part_rows);
-            match &mut self.later {
-                None => self.folds[self.at].add(&part),
-                Some(segment) => segment.add(self.at, part),
-            }
+    fn close_fold(&mut self) {
+        if self.fold_rows > 0 {
+            self.segment.add(FoldSums::of_tiles(self.at, &self.tiles, self.rows.width(), self.fold_rows));
         }
         self.tiles.fill(Tile::default());
-        self.part_rows = 0;
+        self.fold_rows = 0;
     }
 
     fn end_fold(&mut self) {
-        self.end_part();
-        self.ends.push(self.column_states());
-        if let Some(segment) = &mut self.later {
-            segment.end_fold(self.at);
-        }
+        self.close_fold();
+        self.segment.end_fold(self.at, self.column_states());
         self.at += 1;
     }
 
     fn end_segment(&mut self) {
-        self.end_part();
-        if let Some(segment) = self.later.take() {
-            segment.finish(&mut self.folds, &mut self.ends);
-        }
+        self.close_fold();
+        let columns: Vec<usize> = (0..self.rows.width()).collect();
+        let sums = std::mem::take(&mut self.segment).selected(&columns, columns.len());
+        self.record.append(segment::finished(sums, &self.design, self.starts, self.is_first));
     }
 
     /// The folds, and the states behind each of them.
     pub fn finish(mut self) -> (Vec<Gram>, Vec<Vec<f64>>) {
-        while self.at < self.folds.len() {
+        let folds = self.borders.len() + 1;
+        while self.at < folds {
             self.end_fold();
         }
         self.end_segment();
-        // The decays of later segments are no columns of the design that was given.
-        let (end, count) = (self.design.decays().end, self.starts);
-        for fold in &mut self.folds {
-            let sums = std::mem::replace(&mut fold.sums, DMatrix::zeros(0, 0));
-            fold.sums = sums.remove_columns(end - count, count).remove_rows(end - count, count);
-        }
-        self.ends.iter_mut().for_each(|states| drop(states.drain(end - count..end)));
-        (self.folds, self.ends)
+        self.record.folds(self.rows.width() - self.starts, folds)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::DMatrix;
+
     use super::*;
     use crate::identify::design::{BankDrive, RelaxationBank};
 

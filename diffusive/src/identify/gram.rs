@@ -6,11 +6,12 @@
 //! through.
 
 use nalgebra::DMatrix;
+use serde::{Deserialize, Serialize};
 
 use super::panels::{self, LANES, Tile};
 
 /// What was taken out of sums for segments that began with anything.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Starts {
     pub segments: f64,
     /// Rows of all of them.
@@ -50,12 +51,6 @@ pub struct Gram {
 impl Gram {
     pub fn empty(width: usize) -> Self {
         Self { sums: DMatrix::zeros(width, width), rows: 0, starts: Starts::default() }
-    }
-
-    /// Of the tiles in their places.
-    pub fn of(tiles: &[Tile], width: usize, rows: u64) -> Self {
-        let [sums, rests] = in_places(tiles, width);
-        Self { sums: sums + rests, rows, starts: Starts::default() }
     }
 
     pub fn add(&mut self, other: &Self) {

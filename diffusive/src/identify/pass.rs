@@ -48,7 +48,8 @@ impl Facts {
         }
     }
 
-    fn add(&mut self, block: &Block) {
+    /// Takes the next rows.
+    pub(super) fn add(&mut self, block: &Block) {
         let inputs = block.inputs.len();
         if self.rows == 0 {
             self.first_inputs = block.inputs.iter().map(|values| values[0]).collect();
@@ -201,7 +202,7 @@ pub fn pass(
     let mut batches = WholeBatches::default();
     while let Some(block) = source.next_block()? {
         if facts.rows == 0 {
-            output_shift = block.outputs.iter().map(|values| mean(values)).collect();
+            output_shift = output_means(block);
             let of = |design| Accumulator::new(design, &starts_rad_s, sample_period_s, expected, folds, &output_shift);
             accumulators = designs.iter().map(of).collect();
         }
@@ -218,6 +219,8 @@ pub fn pass(
     Ok(Passed { folds, ends, facts, output_shift })
 }
 
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
+/// What is subtracted from the outputs of a record whose first rows these are.
+pub(super) fn output_means(block: &Block) -> Vec<f64> {
+    let mean = |values: &Vec<f64>| values.iter().sum::<f64>() / values.len().max(1) as f64;
+    block.outputs.iter().map(mean).collect()
 }

@@ -17,6 +17,7 @@ use dr_core::model::mesh;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::design::RegressionDesign;
+use super::folded_sums::{FoldedGrams, FoldedSums};
 use super::gram::{Gram, Starts};
 use super::record::Survey;
 
@@ -40,59 +41,65 @@ pub fn with_starts(design: &RegressionDesign, rates_rad_s: &[f64]) -> Regression
     RegressionDesign { initial_rad_s, ..design.clone() }
 }
 
-/// The sums of a segment, fold by fold, until its last row is read.
-pub struct LaterSegment {
+/// What a segment whose rows are all summed hands to the record's sums: of a later one, what its
+/// start leaves. `design` is one with the `starts` decays of D, which are no columns behind this.
+pub fn finished(sums: FoldedGrams, design: &RegressionDesign, starts: usize, is_first: bool) -> FoldedSums {
+    let mut sums = sums;
+    if !is_first {
+        LaterSegment::of(design, starts).take_start_out(&mut sums);
+    }
+    let (end, count) = (design.decays().end, starts);
+    for (_, fold) in &mut sums.folds {
+        let all = std::mem::replace(&mut fold.sums, DMatrix::zeros(0, 0));
+        fold.sums = all.remove_columns(end - count, count).remove_rows(end - count, count);
+    }
+    sums.ends.iter_mut().for_each(|(_, states)| drop(states.drain(end - count..end)));
+    FoldedSums::of(&sums.folds, sums.ends)
+}
+
+/// Where a later segment has its columns.
+struct LaterSegment {
     /// Columns of initial decays, those of D, and the offset behind them.
     initial: Range<usize>,
     own: Range<usize>,
-    /// Fold and sums.
-    parts: Vec<(usize, Gram)>,
-    /// Folds that ended in it.
-    ended: Vec<usize>,
 }
 
 impl LaterSegment {
-    /// `design` is one with the `starts` decays of D.
-    pub fn new(design: &RegressionDesign, starts: usize) -> Self {
+    fn of(design: &RegressionDesign, starts: usize) -> Self {
         let decays = design.decays();
         let own = decays.end - starts..decays.end + 1;
-        Self { initial: decays.start..own.start, own, parts: Vec::new(), ended: Vec::new() }
+        Self { initial: decays.start..own.start, own }
     }
 
-    pub fn add(&mut self, fold: usize, sums: Gram) {
-        self.parts.push((fold, sums));
-    }
-
-    /// Notes that a fold ends behind the rows so far.
-    pub fn end_fold(&mut self, fold: usize) {
-        self.ended.push(fold);
-    }
-
-    /// Hands what its start leaves to the folds, and to the states behind those that ended in it.
-    pub fn finish(self, folds: &mut [Gram], ends: &mut [Vec<f64>]) {
-        if self.parts.is_empty() {
+    /// Leaves what the start does not explain, in the folds and in the states behind those that
+    /// ended in the segment.
+    fn take_start_out(&self, sums: &mut FoldedGrams) {
+        let FoldedGrams { folds, ends } = sums;
+        let grams = std::mem::take(folds);
+        if grams.is_empty() {
             return;
         }
-        let whole = Gram::total(self.parts.iter().map(|(_, part)| part));
+        let whole = Gram::total(grams.iter().map(|(_, part)| part));
         let (first, count) = (self.own.start, self.own.len());
         let own = whole.sums.view((first, first), (count, count)).into_owned();
         let Some(factor) = Cholesky::new(&own + DMatrix::from_diagonal(&own.diagonal().map(held))) else { return };
         let explained = factor.solve(&whole.sums.rows(first, count).into_owned());
         // A start costs as many rows as it has shapes that can be told apart.
         let shapes = explained.columns(first, count).trace();
-        for (fold, part) in &self.parts {
+        for (fold, part) in grams {
             let share = part.rows as f64 / whole.rows as f64;
-            folds[*fold].add(&Gram {
+            let left = Gram {
                 rows: part.rows.saturating_sub((shapes * share).round() as u64).max(1),
                 sums: self.left(&part.sums, &explained),
                 starts: Starts { segments: share, rows: part.rows as f64 },
-            });
+            };
+            folds.push((fold, left));
         }
-        for fold in &self.ended {
-            let end = DVector::from_column_slice(&ends[*fold]);
+        for (_, states) in ends {
+            let end = DVector::from_column_slice(states);
             let mut left = &end - explained.tr_mul(&end.rows(first, count));
             left.rows_mut(self.initial.start, self.own.end - self.initial.start).fill(0.0);
-            ends[*fold] = left.as_slice().to_vec();
+            *states = left.as_slice().to_vec();
         }
     }
 

@@ -20,38 +20,42 @@ pub const FORGOTTEN: usize = 200;
 /// Greatest lag.
 pub const MOST: usize = LAGS + FORGOTTEN;
 
-/// Sums over rows that follow each other.
+/// Lag by lag, of every two signals in their order.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Products(Vec<Vec<f64>>);
+
+impl Products {
+    fn empty(signals: usize) -> Self {
+        Self(vec![vec![0.0; MOST + 1]; signals * signals])
+    }
+
+    /// Σ_n p_n q_{n+lag} of so many signals.
+    pub fn sum(&self, signals: usize, [p, q]: [usize; 2], lag: usize) -> f64 {
+        self.0[p * signals + q][lag]
+    }
+
+    /// Adds those of rows that do not follow.
+    pub fn add(&mut self, more: &Self) {
+        if self.0.is_empty() {
+            *self = more.clone();
+            return;
+        }
+        let totals = self.0.iter_mut().flatten();
+        totals.zip(more.0.iter().flatten()).for_each(|(total, more)| *total += more);
+    }
+}
+
+/// By signal the first rows of some, and the last, [`MOST`] at most.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct LagSums {
-    signals: usize,
-    rows: u64,
-    /// Lag by lag, of every two signals in their order.
-    sums: Vec<Vec<f64>>,
-    /// By signal: the first rows, and the last [`MOST`], with 0 before the first.
+pub struct RowEdges {
+    /// How many rows there are.
+    pub rows: u64,
     first: Vec<Vec<f64>>,
+    /// With 0 before the first row, until all rows are here.
     last: Vec<Vec<f64>>,
 }
 
-impl LagSums {
-    pub fn empty(signals: usize) -> Self {
-        Self {
-            signals,
-            rows: 0,
-            sums: vec![vec![0.0; MOST + 1]; signals * signals],
-            first: vec![Vec::new(); signals],
-            last: vec![vec![0.0; MOST]; signals],
-        }
-    }
-
-    pub const fn rows(&self) -> u64 {
-        self.rows
-    }
-
-    /// Σ_n p_n q_{n+lag}
-    pub fn sum(&self, p: usize, q: usize, lag: usize) -> f64 {
-        self.sums[p * self.signals + q][lag]
-    }
-
+impl RowEdges {
     /// A signal in a row, counted from the first; 0 beyond those that are kept.
     pub fn first(&self, signal: usize, row: usize) -> f64 {
         self.first[signal].get(row).copied().unwrap_or(0.0)
@@ -59,47 +63,74 @@ impl LagSums {
 
     /// The last rows of a signal.
     pub fn last(&self, signal: usize) -> &[f64] {
-        let kept = MOST.min(self.rows as usize);
-        &self.last[signal][MOST - kept..]
+        let last = &self.last[signal];
+        &last[last.len() - self.kept()..]
+    }
+
+    /// How many rows are kept at either end.
+    pub const fn kept(&self) -> usize {
+        if self.rows < MOST as u64 { self.rows as usize } else { MOST }
+    }
+}
+
+/// Sums over rows that follow each other.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LagSums {
+    signals: usize,
+    sums: Products,
+    edges: RowEdges,
+}
+
+impl LagSums {
+    pub fn empty(signals: usize) -> Self {
+        let edges = RowEdges { rows: 0, first: vec![Vec::new(); signals], last: vec![vec![0.0; MOST]; signals] };
+        Self { signals, sums: Products::empty(signals), edges }
+    }
+
+    /// Of rows that are all that follow each other.
+    pub fn into_parts(self) -> (Products, RowEdges) {
+        let Self { sums, mut edges, .. } = self;
+        let kept = edges.kept();
+        edges.last.iter_mut().for_each(|last| drop(last.drain(..MOST - kept)));
+        (sums, edges)
     }
 
     /// Takes the next rows, signal by signal.
     pub fn push(&mut self, rows: &[Vec<f64>]) {
         let joined = |(last, rows): (&Vec<f64>, &Vec<f64>)| [&last[..], rows].concat();
-        let past: Vec<Vec<f64>> = self.last.iter().zip(rows).map(joined).collect();
+        let past: Vec<Vec<f64>> = self.edges.last.iter().zip(rows).map(joined).collect();
         for (p, past) in past.iter().enumerate() {
             for (q, now) in rows.iter().enumerate() {
                 let mut sums = [0.0; MOST + 1];
                 pulp::Arch::new().dispatch(Lagging { past, now, sums: &mut sums });
-                let total = &mut self.sums[p * self.signals + q];
+                let total = &mut self.sums.0[p * self.signals + q];
                 total.iter_mut().zip(sums.iter().rev()).for_each(|(total, sum)| *total += sum);
             }
         }
-        for (first, rows) in self.first.iter_mut().zip(rows) {
+        for (first, rows) in self.edges.first.iter_mut().zip(rows) {
             let free = MOST - first.len();
             first.extend(rows.iter().take(free));
         }
-        self.last = past.into_iter().map(|past| past[past.len() - MOST..].to_vec()).collect();
-        self.rows += rows.first().map_or(0, Vec::len) as u64;
+        self.edges.last = past.into_iter().map(|past| past[past.len() - MOST..].to_vec()).collect();
+        self.edges.rows += rows.first().map_or(0, Vec::len) as u64;
     }
 
     /// Adds the rows that come behind.
     pub fn append(&mut self, more: &Self) {
-        let mut begins = self.clone();
-        begins.sums.iter_mut().for_each(|sums| sums.fill(0.0));
+        let mut begins = Self { sums: Products::empty(self.signals), ..self.clone() };
         // What the first rows of the others have to do with the last of these, and, as they have
         // it already, with each other.
-        begins.push(&more.first);
+        begins.push(&more.edges.first);
         let mut alone = Self::empty(self.signals);
-        alone.push(&more.first);
-        for (pair, total) in self.sums.iter_mut().enumerate() {
+        alone.push(&more.edges.first);
+        for (pair, total) in self.sums.0.iter_mut().enumerate() {
             for (lag, total) in total.iter_mut().enumerate() {
-                *total += more.sums[pair][lag] + (begins.sums[pair][lag] - alone.sums[pair][lag]);
+                *total += more.sums.0[pair][lag] + (begins.sums.0[pair][lag] - alone.sums.0[pair][lag]);
             }
         }
-        self.first = begins.first;
-        self.last = if more.rows as usize >= MOST { more.last.clone() } else { begins.last };
-        self.rows += more.rows;
+        self.edges.first = begins.edges.first;
+        self.edges.last = if more.edges.rows as usize >= MOST { more.edges.last.clone() } else { begins.edges.last };
+        self.edges.rows += more.edges.rows;
     }
 }
 
@@ -158,9 +189,9 @@ mod tests {
             for (p, q, lag) in [(0, 0, 0), (0, 1, 1), (1, 0, 7), (1, 1, 239), (0, 1, MOST)] {
                 let expected: f64 = (0..900 - lag).map(|n| all[p][n] * all[q][n + lag]).sum();
                 // Sums of 900 terms of at most 1.
-                assert!((joined.sum(p, q, lag) - expected).abs() < 1e-11);
+                assert!((joined.sums.sum(2, [p, q], lag) - expected).abs() < 1e-11);
             }
-            assert_eq!((joined.first(1, 239), joined.last(1)[0]), (all[1][239], all[1][900 - MOST]));
+            assert_eq!((joined.edges.first(1, 239), joined.edges.last(1)[0]), (all[1][239], all[1][900 - MOST]));
         }
     }
 }

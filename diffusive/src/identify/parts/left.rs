@@ -11,9 +11,12 @@
 //! as x_{n−1} = (x_n − g u_{n−1})/a; a fast one from what drove it, as x_n = Σ_m g a^(m−1)
 //! u_{n−m}, of which nothing is left behind 200 rows.
 //!
-//! Limit: of single rows only the first are known, 240 of them.
+//! All of it is linear in sums: those of several segments add up, each with edges of its own. What
+//! later segments began with is none of it (`own_start`).
+//!
+//! Limit: of single rows only the first of a segment are known, 240 of them.
 
-use super::lags::{FORGOTTEN, LagSums, MOST};
+use super::lags::{FORGOTTEN, Products, RowEdges};
 use crate::identify::design::{BankDrive, RegressionDesign, Role};
 use crate::identify::gram::Gram;
 use crate::identify::residuals::LAGS;
@@ -25,23 +28,30 @@ pub const SLOW: f64 = 0.83;
 
 /// A column as a state that something drives.
 #[derive(Debug, Clone, Copy)]
-struct Column {
+pub struct Column {
     /// a and g; a is 0 for what is no state.
-    keep: f64,
-    gain: f64,
+    pub keep: f64,
+    pub gain: f64,
     /// The signal that drives it, or that it is.
-    signal: Option<usize>,
-    is_state: bool,
+    pub signal: Option<usize>,
+    pub is_state: bool,
+}
+
+/// A segment of a record, in the columns of an opened design.
+#[derive(Clone, Copy)]
+pub struct SegmentEdges<'a> {
+    /// States in the first row, and behind the last.
+    pub first: &'a [f64],
+    pub next: &'a [f64],
+    pub rows: &'a RowEdges,
 }
 
 /// Sums of a record in the columns of an opened design.
 pub struct LeftSums<'a> {
-    pub gram: &'a Gram,
-    pub lags: &'a LagSums,
-    /// States in the first row, and behind the last.
-    pub first: &'a [f64],
-    pub next: &'a [f64],
-    columns: Vec<Column>,
+    gram: &'a Gram,
+    lags: &'a Products,
+    segments: &'a [SegmentEdges<'a>],
+    pub columns: Vec<Column>,
     /// Column of every signal.
     column_of: Vec<usize>,
 }
@@ -51,8 +61,8 @@ impl<'a> LeftSums<'a> {
         design: &RegressionDesign,
         sample_period_s: f64,
         gram: &'a Gram,
-        lags: &'a LagSums,
-        [first, next]: [&'a [f64]; 2],
+        lags: &'a Products,
+        segments: &'a [SegmentEdges<'a>],
     ) -> Self {
         let driven = design.banks.iter().filter(|bank| !matches!(bank.drive, BankDrive::Output(_))).count();
         let signal_of = |bank: usize| match design.banks[bank].drive {
@@ -75,7 +85,7 @@ impl<'a> LeftSums<'a> {
         columns.extend((0..design.outputs).map(|output| is(driven + output)));
         let place = |signal| columns.iter().position(|own| !own.is_state && own.signal == Some(signal));
         let column_of = (0..driven + design.outputs).map(|signal| place(signal).unwrap_or_default()).collect();
-        Self { gram, lags, first, next, columns, column_of }
+        Self { gram, lags, segments, columns, column_of }
     }
 
     /// Σ e² of a sum of columns.
@@ -83,22 +93,19 @@ impl<'a> LeftSums<'a> {
         self.with_all(weights).iter().zip(weights).map(|(sum, weight)| sum * weight).sum::<f64>().max(0.0)
     }
 
-    /// Σ e_n e_{n+l} for l = 1 … 40 of a sum of columns.
+    /// Σ e_n e_{n+l} for l = 1 … 40 of a sum of columns, within segments.
     pub fn products(&self, weights: &[f64]) -> Vec<f64> {
         let of_signals: Vec<Vec<f64>> = (0..self.column_of.len()).map(|signal| self.later(weights, signal)).collect();
-        let ends = self.last_rows();
-        let residual: Vec<f64> =
-            ends.iter().map(|row| row.iter().zip(weights).map(|(value, weight)| value * weight).sum()).collect();
+        let ends: Vec<SegmentEnd> = self.segments.iter().map(|segment| self.end(*segment, weights)).collect();
         let mut with_later = self.with_all(weights);
         let of_lag = |lag: usize| {
-            let Some(before_last) = ends.len().checked_sub(lag) else { return 0.0 };
-            let (left, last) = (residual[before_last], &ends[ends.len() - 1]);
-            for (column, with) in self.columns.iter().zip(with_later.iter_mut().enumerate()) {
-                let (at, with) = with;
-                let driven = |signal: usize| of_signals[signal][lag - 1] - left * last[self.column_of[signal]];
+            // Of the last row that none follows at this distance.
+            let lost = |column: usize| ends.iter().map(|end| end.lost(lag, column)).sum::<f64>();
+            for (at, (column, with)) in self.columns.iter().zip(&mut with_later).enumerate() {
+                let driven = |signal: usize| of_signals[signal][lag - 1] - lost(self.column_of[signal]);
                 *with = match column.signal {
                     Some(signal) if !column.is_state => of_signals[signal][lag],
-                    signal => column.keep * (*with - left * last[at]) + column.gain * signal.map_or(0.0, driven),
+                    signal => column.keep * (*with - lost(at)) + column.gain * signal.map_or(0.0, driven),
                 };
             }
             with_later.iter().zip(weights).map(|(with, weight)| with * weight).sum()
@@ -106,20 +113,23 @@ impl<'a> LeftSums<'a> {
         (1..=LAGS).map(of_lag).collect()
     }
 
-    /// The greatest square of the first rows, and which, counted from 1.
-    pub fn greatest_of_first(&self, weights: &[f64]) -> (f64, u64) {
-        let kept = MOST.min(self.lags.rows() as usize);
-        let mut residuals = vec![0.0; kept];
-        for ((column, &first), &weight) in self.columns.iter().zip(self.first).zip(weights) {
+    /// A sum of columns in the first rows of a segment, 240 of them or fewer.
+    pub fn first_values(&self, segment: SegmentEdges<'_>, weights: &[f64]) -> Vec<f64> {
+        let mut values = vec![0.0; segment.rows.kept()];
+        for ((column, &first), &weight) in self.columns.iter().zip(segment.first).zip(weights) {
             let mut state = first;
-            for (row, residual) in residuals.iter_mut().enumerate() {
-                let drive = column.signal.map_or(0.0, |signal| self.lags.first(signal, row));
-                *residual += weight * if column.is_state { state } else { drive };
+            for (row, value) in values.iter_mut().enumerate() {
+                let drive = column.signal.map_or(0.0, |signal| segment.rows.first(signal, row));
+                *value += weight * if column.is_state { state } else { drive };
                 state = column.keep * state + column.gain * drive;
             }
         }
-        let squares = residuals.iter().map(|residual| residual * residual).zip(1..);
-        squares.fold((0.0, 0), |greatest, own| if own.0 > greatest.0 { own } else { greatest })
+        values
+    }
+
+    /// A sum of columns in the last rows of a segment, [`LAGS`] of them or fewer.
+    pub fn last_values(&self, segment: SegmentEdges<'_>, weights: &[f64]) -> Vec<f64> {
+        self.end(segment, weights).values
     }
 
     /// Σ_n e_n c_n for every column c.
@@ -142,16 +152,19 @@ impl<'a> LeftSums<'a> {
     /// S_j of a column and a signal, j = 0 … 40.
     fn column_later(&self, at: usize, column: Column, signal: usize) -> Vec<f64> {
         let Column { keep, gain, signal: own, is_state } = column;
-        let lagged = |lag: usize| own.map_or(0.0, |own| self.lags.sum(own, signal, lag));
+        let signals = self.column_of.len();
+        let lagged = |lag: usize| own.map_or(0.0, |own| self.lags.sum(signals, [own, signal], lag));
         if !is_state {
             return (0..=LAGS).map(lagged).collect();
         }
-        let first = self.first[at];
+        // What the segments began with, times the signal in a row of theirs.
+        let begun: Vec<&SegmentEdges> = self.segments.iter().filter(|segment| segment.first[at] != 0.0).collect();
+        let first = |row: usize| begun.iter().map(|of| of.first[at] * of.rows.first(signal, row)).sum::<f64>();
         if keep < SLOW {
             let of_lag = |lag: usize| {
                 let mut kept = 1.0;
                 (0..FORGOTTEN).fold(0.0, |sum, m| {
-                    let sum = sum + kept * (first * self.lags.first(signal, lag + m) + gain * lagged(lag + m + 1));
+                    let sum = sum + kept * (first(lag + m) + gain * lagged(lag + m + 1));
                     kept *= keep;
                     sum
                 })
@@ -162,23 +175,30 @@ impl<'a> LeftSums<'a> {
         let mut sums = vec![self.gram.sums[(at, self.column_of[signal])]];
         for lag in 0..LAGS {
             let before = sums[lag];
-            sums.push((before - first * self.lags.first(signal, lag) - gain * lagged(lag + 1)) / keep);
+            sums.push((before - first(lag) - gain * lagged(lag + 1)) / keep);
         }
         sums
     }
 
+    /// The last rows of a segment.
+    fn end(&self, segment: SegmentEdges<'_>, weights: &[f64]) -> SegmentEnd {
+        let rows = self.last_rows(segment);
+        let of = |row: &Vec<f64>| row.iter().zip(weights).map(|(value, weight)| value * weight).sum();
+        SegmentEnd { values: rows.iter().map(of).collect(), last: rows.last().cloned().unwrap_or_default() }
+    }
+
     /// The last rows of all columns, [`LAGS`] of them or fewer.
-    fn last_rows(&self) -> Vec<Vec<f64>> {
-        let kept = self.lags.last(0).len();
-        let (is_all, count) = (kept as u64 == self.lags.rows(), LAGS.min(kept));
+    fn last_rows(&self, segment: SegmentEdges<'_>) -> Vec<Vec<f64>> {
+        let kept = segment.rows.kept();
+        let (is_all, count) = (kept as u64 == segment.rows.rows, LAGS.min(kept));
         let mut rows = vec![vec![0.0; self.columns.len()]; count];
         for (at, column) in self.columns.iter().enumerate() {
-            let drive = |row: usize| column.signal.map_or(0.0, |signal| self.lags.last(signal)[row]);
+            let drive = |row: usize| column.signal.map_or(0.0, |signal| segment.rows.last(signal)[row]);
             let Column { keep, gain, is_state, .. } = *column;
             if !is_state {
                 rows.iter_mut().enumerate().for_each(|(row, values)| values[at] = drive(kept - count + row));
             } else if is_all || keep < SLOW {
-                let mut state = if is_all { self.first[at] } else { 0.0 };
+                let mut state = if is_all { segment.first[at] } else { 0.0 };
                 for row in 0..kept {
                     if row + count >= kept {
                         rows[row + count - kept][at] = state;
@@ -186,7 +206,7 @@ impl<'a> LeftSums<'a> {
                     state = keep * state + gain * drive(row);
                 }
             } else {
-                let mut state = self.next[at];
+                let mut state = segment.next[at];
                 for row in (0..count).rev() {
                     state = (state - gain * drive(kept - count + row)) / keep;
                     rows[row][at] = state;
@@ -194,5 +214,18 @@ impl<'a> LeftSums<'a> {
             }
         }
         rows
+    }
+}
+
+/// A sum of columns in the last rows of a segment, and all columns in the very last.
+struct SegmentEnd {
+    values: Vec<f64>,
+    last: Vec<f64>,
+}
+
+impl SegmentEnd {
+    /// The sum `lag` rows before the end, times a column in the last row.
+    fn lost(&self, lag: usize, column: usize) -> f64 {
+        self.values.len().checked_sub(lag).map_or(0.0, |at| self.values[at] * self.last[column])
     }
 }

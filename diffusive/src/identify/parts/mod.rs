@@ -3,31 +3,42 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `plan` | what parts must know of the whole: rows, meshes, dead time, where each part stands |
-//! | `design_sums` | normal equations, to the last digit |
+//! | `plan` | what parts must know of the whole: rows, segments, meshes, dead time, where each part stands |
+//! | `follow` | states over the whole, of which parts take theirs |
+//! | `designs` | what is summed of a segment |
 //! | `lags` | products of inputs and outputs with those a few rows later |
-//! | `summed` | the sums of some rows, and those of neighbours as one |
-//! | `left` | what a model leaves, from these |
+//! | `segment_rows` | the sums of some rows of a segment, to the last digit, and those of neighbours as one |
+//! | `closed` | the sums of whole segments |
+//! | `summed` | both, of a part |
+//! | `left`, `own_start`, `residual_sums`, `twofold` | what a model leaves, from these |
 //! | `reading` | the sums of all, as identification asks for those of a record |
 //! | `gram_file` | all of it as a file |
 //!
-//! Limits: one segment; no free poles, structure `conductance` or growing losses, which are
-//! searched on rows; of single rows whose residual stands out, those among the first 240 are found.
+//! Limits: every row has all outputs; no free poles, structure `conductance` or growing losses,
+//! which are searched on rows; of single rows whose residual stands out, those among the first 240
+//! of a segment are found.
 
 mod checksum;
-mod design_sums;
+mod closed;
+mod designs;
+mod follow;
 mod gram_file;
 mod lags;
 mod left;
+mod own_start;
 mod plan;
 mod reading;
+mod residual_sums;
+mod segment_rows;
 mod summed;
 #[cfg(test)]
 mod tests;
+mod twofold;
 
 pub use gram_file::{GramError, GramFile, join_files, refuse_incomplete};
 pub use plan::{GramPlan, PartPlace, PartStarts};
-pub use summed::{BatchStart, SummedRows};
+pub use segment_rows::BatchStart;
+pub use summed::SummedRows;
 
 use super::options::Progress;
 use super::record::RecordError;

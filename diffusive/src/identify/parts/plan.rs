@@ -4,23 +4,29 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::checksum::{PartChecksums, RowChecksum};
-use super::summed::{BatchStart, SummedDesigns, SummedRows, batch_from};
+use super::checksum::RowChecksum;
+use super::designs::{RecordFrame, SummedDesigns};
+use super::follow::Followed;
+use super::segment_rows::BatchStart;
+use super::summed::SummedRows;
 use crate::identify::delay::{self, PathDecision};
 use crate::identify::folds::FOLDS;
-use crate::identify::gas_source::GasSource;
 use crate::identify::labels::labels;
 use crate::identify::options::{IdentifyOptions, Losses, Progress};
-use crate::identify::panels::BATCH;
-use crate::identify::pass::{Facts, pass};
-use crate::identify::record::{Block, InBlocks, RecordError, RecordSource, RecordStream, Selection, Survey};
+use crate::identify::pass::{Facts, output_means};
+use crate::identify::record::{InBlocks, RecordError, RecordSource, RecordStream, Selection, Survey};
+use crate::identify::segment::start_rates;
 use crate::identify::symbol::{asked_of, plan::SymbolPlan};
 use crate::identify::validate_options;
-use crate::identify::whole_batches::WholeBatches;
 use crate::model::Structure;
 
 /// What the user should know.
-const UNTOLD: &str = "from sums of parts: losses that grow with temperature, and single rows that stand out behind the first 240, are not looked for";
+const NOT_LOOKED_FOR: &str = "from sums of parts: losses that grow with temperature, and single rows that stand out behind the first 240 of a segment, are not looked for";
+
+/// Each leaves some ten to a hundred kilobytes in the sums.
+const MOST_SEGMENTS: u64 = 500;
+/// Why the rows of a part are not those for which the plan was made.
+const CHANGED: &str = "was changed since the plan was made: make the plan anew, of the parts as they are";
 
 /// A part of a record, and its place in it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -50,6 +56,8 @@ pub struct GramPlan {
     pub(super) open_path: PathDecision,
     pub(super) facts: Facts,
     pub(super) output_shift: Vec<f64>,
+    /// First row of every segment.
+    segments: Vec<u64>,
     selection: Selection,
     /// In the order of their rows.
     pub parts: Vec<PartPlace>,
@@ -60,7 +68,7 @@ pub type PartStarts = Vec<Option<BatchStart>>;
 
 impl GramPlan {
     /// Plans the sums of a record whose parts are these files, in their order. Every file is read
-    /// four times, without any sums.
+    /// three times, and once more for events, without any sums.
     ///
     /// # Errors
     /// As [`crate::identify::identify`]; or if the record or the options ask for what sums cannot
@@ -94,7 +102,7 @@ impl GramPlan {
         options: &IdentifyOptions,
         progress: &mut Progress<'_>,
     ) -> Result<(Self, PartStarts), RecordError> {
-        let mut survey = source.survey().clone();
+        let survey = source.survey().clone();
         let mut options = options.clone();
         refuse(&survey, &options)?;
         validate_options::refuse(&survey, &options)?;
@@ -121,70 +129,61 @@ impl GramPlan {
                 path.delay
             ),
         )?;
-        let mut tell = |done| progress("planning", done, survey.rows);
-        let passed = pass(source, &[], FOLDS, GasSource::Constant(0.0), u64::MAX, &mut tell)?;
         survey.refuse_if(
             parts.iter().map(|part| part.rows).sum::<u64>() != survey.rows,
             "has other rows as a whole than in its parts: cut it where no row is left out, or identify it as a whole",
         )?;
-        let (facts, output_shift) = (passed.facts, passed.output_shift);
-        survey.notes.push(UNTOLD.to_owned());
-        let mut plan = Self { survey, options, classes, path, open_path, facts, output_shift, selection, parts };
-        let (starts, checksums) = plan.starts(source, progress)?;
-        plan.parts.iter_mut().zip(checksums).for_each(|(part, checksum)| part.checksum = checksum);
+        let (facts, output_shift, segments) = (Facts::default(), Vec::new(), vec![0]);
+        let mut plan =
+            Self { survey, options, classes, path, open_path, facts, output_shift, segments, selection, parts };
+        let starts = plan.read(source, progress)?;
+        plan.survey.notes.push(NOT_LOOKED_FOR.to_owned());
         Ok((plan, starts))
     }
 
-    /// The states with which every part begins, and checksums of the parts, from one reading
-    /// without sums.
-    fn starts(
-        &self,
-        source: &mut dyn RecordSource,
-        progress: &mut Progress<'_>,
-    ) -> Result<(PartStarts, Vec<u64>), RecordError> {
-        let designs = self.designs()?;
-        let (mut run, mut batches) = (designs.following(), WholeBatches::default());
-        let mut starts = vec![None; self.parts.len()];
-        // A part in which no batch begins needs none.
-        let begins =
-            |part: &PartPlace| Some(batch_from(part.first_row)).filter(|row| *row < part.first_row + part.rows);
-        let begins: Vec<Option<u64>> = self.parts.iter().map(begins).collect();
-        let mut next = 0;
-        let mut checksums = PartChecksums::new(self.parts.iter().map(|part| part.first_row + part.rows).collect());
+    /// Facts, segments, checksums of the parts, and the states with which each of them begins, from
+    /// one reading without sums.
+    fn read(&mut self, source: &mut dyn RecordSource, progress: &mut Progress<'_>) -> Result<PartStarts, RecordError> {
+        source.restart()?;
+        if let Some(first) = source.next_block()? {
+            self.output_shift = output_means(first);
+            self.facts.add(&first.rows(0..1));
+        }
+        let (designs, mut facts) = (self.designs()?, Facts::default());
+        let mut followed = Followed::of(&designs, &self.parts);
         source.restart()?;
         while let Some(block) = source.next_block()? {
-            checksums.push(block);
-            batches.push(block, &mut |rows| {
-                for from in (0..rows.len()).step_by(BATCH) {
-                    let row = run.row();
-                    while begins.get(next).is_some_and(|begin| begin.is_none_or(|begin| begin <= row)) {
-                        starts[next] = (begins[next] == Some(row)).then(|| run.state());
-                        next += 1;
-                    }
-                    run.push(&rows.rows(from..rows.len().min(from + BATCH)));
-                }
-            });
-            progress("following states", run.row(), self.survey.rows);
+            let missing = block.missing.first().map(|&at| facts.rows + u64::from(at) + 1);
+            self.survey.refuse_if(
+                missing.is_some(),
+                format_args!(
+                    "lacks an output in row {}: fill it, or identify the record as a whole",
+                    missing.unwrap_or(0)
+                ),
+            )?;
+            facts.add(block);
+            followed.push(block);
+            progress("planning", facts.rows, self.survey.rows);
         }
-        while next < begins.len() {
-            starts[next] = (begins[next] == Some(run.row())).then(|| run.state());
-            next += 1;
-        }
-        Ok((starts, checksums.finish()))
+        let (starts, segments, checksums) = followed.finish();
+        (self.facts, self.segments) = (facts, segments);
+        self.parts.iter_mut().zip(checksums).for_each(|(part, checksum)| part.checksum = checksum);
+        Ok(starts)
     }
 
     /// What is summed of every part.
     pub(super) fn designs(&self) -> Result<SummedDesigns, RecordError> {
         let survey = asked_of(&self.survey, &self.options);
         let tried = SymbolPlan::of(survey, self.classes.clone(), self.path.clone(), &self.options)?;
-        let first_gas_c = self.facts.gas.map(|gas| gas.from);
-        Ok(SummedDesigns::of(
-            tried.designs,
-            self.survey.sample_period_s,
-            self.survey.rows,
-            &self.output_shift,
-            first_gas_c,
-        ))
+        let record = RecordFrame {
+            sample_period_s: self.survey.sample_period_s,
+            rows: self.survey.rows,
+            segments: self.segments.clone(),
+            starts_rad_s: start_rates(&self.survey),
+            output_shift: self.output_shift.clone(),
+            first_gas_c: self.facts.gas.map(|gas| gas.from),
+        };
+        Ok(SummedDesigns::of(tried.designs, record))
     }
 
     /// The file of the record.
@@ -202,6 +201,11 @@ impl GramPlan {
         self.survey.rows
     }
 
+    /// Its stretches of rows that follow each other in time.
+    pub const fn segments(&self) -> usize {
+        self.segments.len()
+    }
+
     /// Sums a part of the record.
     ///
     /// # Errors
@@ -216,13 +220,14 @@ impl GramPlan {
         if let Some(sentence) = source.mended() {
             return Err(source.survey().refuse(sentence));
         }
-        let place = self.place_of(source.survey())?;
+        let place = self.place_of(&mut source)?;
         self.sum(&mut source, starts, place, progress)
     }
 
-    /// The place of a part: that of the same rows at the same times, of the same name if there are
-    /// several.
-    fn place_of(&self, part: &Survey) -> Result<usize, RecordError> {
+    /// The place of a part: that of the same rows at the same times. Of several, as recordings of
+    /// one length are, that of the same numbers; of copies that of the same name.
+    fn place_of(&self, source: &mut dyn RecordSource) -> Result<usize, RecordError> {
+        let part = source.survey().clone();
         part.refuse_if(
             part.time_column != self.survey.time_column,
             format_args!(
@@ -230,19 +235,26 @@ impl GramPlan {
                 part.time_column, self.survey.time_column
             ),
         )?;
-        let is_it = |place: &&PartPlace| {
+        let is_it = |place: &PartPlace| {
             (place.rows, place.first_time_s, place.last_time_s) == (part.rows, part.first_time_s, part.last_time_s)
         };
-        let is_named = |place: &&PartPlace| place.path.file_name() == part.path.file_name();
-        let alike = || self.parts.iter().enumerate().filter(|(_, place)| is_it(place));
-        let place = alike().find(|(_, place)| is_named(place)).or_else(|| alike().next());
-        place.map(|(at, _)| at).ok_or_else(|| {
-            let (rows, from_s, to_s) = (part.rows, part.first_time_s, part.last_time_s);
-            part.refuse(format!(
-                "has {rows} rows from {from_s} s to {to_s} s, as none of the {} parts of the plan: make the plan anew, of the parts as they are",
+        let mut alike: Vec<usize> = (0..self.parts.len()).filter(|&at| is_it(&self.parts[at])).collect();
+        part.refuse_if(
+            alike.is_empty(),
+            format_args!(
+                "has {} rows from {} s to {} s, as none of the {} parts of the plan: make the plan anew, of the parts as they are",
+                part.rows,
+                part.first_time_s,
+                part.last_time_s,
                 self.parts.len()
-            ))
-        })
+            ),
+        )?;
+        if alike.len() > 1 {
+            let checksum = checksum(source)?;
+            alike.retain(|&at| self.parts[at].checksum == checksum);
+        }
+        let named = alike.iter().find(|&&at| self.parts[at].path.file_name() == part.path.file_name());
+        named.or(alike.first()).copied().ok_or_else(|| part.refuse(CHANGED))
     }
 
     /// Sums the rows of a part.
@@ -255,11 +267,10 @@ impl GramPlan {
     ) -> Result<SummedRows, RecordError> {
         let designs = self.designs()?;
         let start = starts.get(part).and_then(Option::as_ref);
-        let mut summing = designs.summing(self.parts[part].first_row, start);
+        let mut summing = designs.summing_part(self.parts[part].first_row, start);
         let (survey, mut done, mut checksum) = (source.survey().clone(), 0, RowChecksum::default());
         source.restart()?;
         while let Some(block) = source.next_block()? {
-            refuse_block(&survey, block, done)?;
             done += block.len() as u64;
             checksum.add(block, 0..block.len());
             let mut block = block.clone();
@@ -267,14 +278,11 @@ impl GramPlan {
                 source.classes().iter().map(|label| self.class(&survey, label)).collect();
             let class_of = class_of?;
             block.class.iter_mut().for_each(|class| *class = class_of[*class as usize]);
-            summing.push(&block);
+            summing.push(&block).ok_or_else(|| survey.refuse(CHANGED))?;
             progress("summing", done, survey.rows);
         }
-        survey.refuse_if(
-            checksum.finish() != self.parts[part].checksum,
-            "was changed since the plan was made: make the plan anew, of the parts as they are",
-        )?;
-        Ok(summing.finish())
+        survey.refuse_if(checksum.finish() != self.parts[part].checksum, CHANGED)?;
+        summing.finish().ok_or_else(|| survey.refuse(CHANGED))
     }
 
     fn class(&self, part: &Survey, label: &str) -> Result<u32, RecordError> {
@@ -299,23 +307,22 @@ fn refuse(survey: &Survey, options: &IdentifyOptions) -> Result<(), RecordError>
         )?;
     }
     survey.refuse_if(
-        survey.segments > 1,
+        survey.segments > MOST_SEGMENTS,
         format_args!(
-            "has gaps, and {} segments: parts of one segment add up, several are identified as a whole",
+            "has {} segments, and sums are of {MOST_SEGMENTS} at most: fill short gaps, or identify it as a whole",
             survey.segments
         ),
     )
 }
 
-/// Refuses rows that do not follow each other.
-fn refuse_block(survey: &Survey, block: &Block, row: u64) -> Result<(), RecordError> {
-    survey
-        .refuse_if(block.begins_segment, format_args!("has a gap before row {}: a part is of one segment", row + 1))?;
-    let missing = block.missing.first().map(|&at| row + u64::from(at) + 1);
-    survey.refuse_if(
-        missing.is_some(),
-        format_args!("lacks an output in row {}: fill it, or identify the record as a whole", missing.unwrap_or(0)),
-    )
+/// The checksum of a part's rows, from a reading.
+fn checksum(source: &mut dyn RecordSource) -> Result<u64, RecordError> {
+    let mut checksum = RowChecksum::default();
+    source.restart()?;
+    while let Some(block) = source.next_block()? {
+        checksum.add(block, 0..block.len());
+    }
+    Ok(checksum.finish())
 }
 
 /// The columns of a record by their names, whatever a part of it would choose.

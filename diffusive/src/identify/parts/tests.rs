@@ -7,9 +7,9 @@ use dr_core::model::mesh;
 use super::identify_parts;
 use super::plan::{GramPlan, PartPlace};
 use super::summed::SummedRows;
-use crate::identify::record::{RecordTable, Selection, read_all};
+use crate::identify::record::{Block, RecordTable, Selection, read_all};
 use crate::identify::{Constraints, DriftGiven, DriftKind, IdentifyOptions, InitialState, Signs, identify};
-use crate::model::Model;
+use crate::model::{Model, RecordEnd};
 
 const PERIOD_S: f64 = 0.1;
 /// Resistance, K/W, and time constant, s.
@@ -21,6 +21,8 @@ struct Rig {
     temperature_c: [Vec<f64>; 2],
     gas_c: Vec<f64>,
     label: Vec<&'static str>,
+    /// Rows with which later segments begin.
+    begins: Vec<usize>,
 }
 
 struct Random(u64);
@@ -45,6 +47,7 @@ fn rig(rows: usize, walk_k: f64, late: usize) -> Rig {
         temperature_c: [Vec::new(), Vec::new()],
         gas_c: Vec::new(),
         label: Vec::new(),
+        begins: Vec::new(),
     };
     let (mut x, mut bits, mut room_k) = ([[0.3; 3]; 2], [0.0; 2], 0.0);
     for row in 0..rows {
@@ -89,7 +92,29 @@ impl Rig {
         if has.gas {
             table = table.with_gas(&self.gas_c[rows.clone()]).unwrap();
         }
-        if has.events { table.with_events(&self.label[rows]).unwrap() } else { table }
+        let begins = self.begins.iter().filter(|row| rows.start < **row && **row < rows.end);
+        let begins: Vec<usize> = begins.map(|row| row - rows.start).collect();
+        let table = if has.events { table.with_events(&self.label[rows]).unwrap() } else { table };
+        table.with_segments(&begins)
+    }
+
+    /// Recordings of the same body: some of the rows, one stretch after the other.
+    fn recordings(&self, stretches: &[Range<usize>]) -> Self {
+        let of = |values: &Vec<f64>| -> Vec<f64> {
+            stretches.iter().flat_map(|rows| values[rows.clone()].to_vec()).collect()
+        };
+        let label = stretches.iter().flat_map(|rows| self.label[rows.clone()].to_vec()).collect();
+        let lengths = stretches.iter().scan(0, |row, stretch| {
+            *row += stretch.len();
+            Some(*row)
+        });
+        Self {
+            power_w: self.power_w.each_ref().map(of),
+            temperature_c: self.temperature_c.each_ref().map(of),
+            gas_c: of(&self.gas_c),
+            label,
+            begins: lengths.take(stretches.len() - 1).collect(),
+        }
     }
 
     fn rows(&self) -> usize {
@@ -167,7 +192,7 @@ fn errors(model: &Model) -> impl Iterator<Item = f64> {
     classes.flat_map(|class| class.se_k_per_w.iter().copied().chain([class.se_steady_gain_k_per_w]))
 }
 
-fn assert_same(parts: &Model, whole: &Model, what: &str) {
+fn assert_same(parts: &Model, whole: &Model, of_segments: usize, what: &str) {
     let (r, se) = (apart(values(parts), values(whole)), apart(errors(parts), errors(whole)));
     println!("{what}: R {r:.1e}, se {se:.1e}");
     let meshes = |model: &Model| model.pairs.iter().map(|pair| pair.mesh_rad_s.clone()).collect::<Vec<_>>();
@@ -176,25 +201,43 @@ fn assert_same(parts: &Model, whole: &Model, what: &str) {
     assert_eq!(parts.warnings, whole.warnings, "{what}");
     // The bar of the whole thing.
     assert!(r < 1e-9 && se < 1e-9, "{what}: R {r:.1e}, se {se:.1e}");
+    // Squares of what is left are differences of squares some 1e8 times as great; what later
+    // segments began with is a sum of decays some 1e3 times as great, and a filter's of 1e5.
+    let bar = if of_segments > 1 { 1e-4 } else { 1e-7 };
+    let mut most = [0.0_f64; 2];
     for (one, other) in parts.outputs.iter().zip(&whole.outputs) {
-        let near = |one: f64, other: f64, part: f64| {
-            assert!((one - other).abs() <= part * other.abs().max(1e-9), "{what}: {one} for {other}")
-        };
-        near(one.offset_c, other.offset_c, 1e-9);
-        near(one.residual_rms, other.residual_rms, 1e-7);
-        near(one.fit_percent, other.fit_percent, 1e-7);
-        near(one.spread_rms.unwrap(), other.spread_rms.unwrap(), 1e-9);
+        let part = |one: f64, other: f64| (one - other).abs() / other.abs().max(1e-9);
+        assert!(part(one.offset_c, other.offset_c) <= 1e-9, "{what}");
+        assert!(part(one.spread_rms.unwrap(), other.spread_rms.unwrap()) <= 1e-9, "{what}");
+        let (rms, fit) = (part(one.residual_rms, other.residual_rms), part(one.fit_percent, other.fit_percent));
         let (one, other) = (one.whiteness.as_ref().unwrap(), other.whiteness.as_ref().unwrap());
         let of_lags = apart(one.autocorrelation.iter().copied(), other.autocorrelation.iter().copied());
-        // Squares of what is left are differences of squares some 1e8 times as great.
-        assert!(of_lags < 1e-5, "{what}: autocorrelation {of_lags:.1e}");
-        near(one.inflation, other.inflation, 1e-5);
+        let inflation = part(one.inflation, other.inflation);
+        most = [most[0].max(rms).max(fit), most[1].max(of_lags).max(inflation)];
     }
+    println!("{what}: residual rms {:.1e}, autocorrelation {:.1e}", most[0], most[1]);
+    assert!(most[0] < bar && most[1] < if of_segments > 1 { bar } else { 1e-5 }, "{what}");
     let (one, other) = (parts.end.as_ref().unwrap(), whole.end.as_ref().unwrap());
     assert_eq!((&one.pending, &one.pending_class), (&other.pending, &other.pending_class), "{what}");
     assert!((one.next_time_s - other.next_time_s).abs() < 1e-9 * other.next_time_s);
-    let decays = |end: &crate::model::RecordEnd| end.decays.iter().flatten().map(|decay| decay.1).collect::<Vec<_>>();
-    assert!(apart(decays(one).into_iter(), decays(other).into_iter()) < 1e-8, "{what}");
+    let ends = apart(decayed(one).into_iter(), decayed(other).into_iter());
+    let rms = whole.outputs.iter().map(|output| output.residual_rms).fold(f64::MAX, f64::min);
+    let next = (decayed(one).iter().zip(decayed(other)).take(whole.outputs.len()))
+        .fold(0.0_f64, |most, (one, other)| most.max((one - other).abs()));
+    println!("{what}: end {ends:.1e} of the largest, {:.1e} of the residual", next / rms);
+    // What a later segment began with is known to half of the digits only.
+    assert!(if of_segments > 1 { ends < 1e-2 && next < 1e-2 * rms } else { ends < 1e-8 }, "{what}");
+}
+
+/// What all outputs decay to behind the record, from its next row to long after: of decays so close
+/// that others are sums of them only that is known.
+fn decayed(end: &RecordEnd) -> Vec<f64> {
+    let at = |time_s: f64| {
+        let of =
+            move |decays: &Vec<(f64, f64)>| -> f64 { decays.iter().map(|(rate, k)| k * (-rate * time_s).exp()).sum() };
+        end.decays.iter().map(of)
+    };
+    [0.0, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0].into_iter().flat_map(at).collect()
 }
 
 fn compare(rig: &Rig, has: Has, options: &IdentifyOptions, counts: &[usize], what: &str) {
@@ -203,7 +246,7 @@ fn compare(rig: &Rig, has: Has, options: &IdentifyOptions, counts: &[usize], wha
     for &count in counts {
         let cuts = cuts(rig.rows(), count, &mut random);
         let parts = parted(&|rows| rig.table(rows, has), options, &cuts, &mut random);
-        assert_same(&parts, &whole, &format!("{what}, {count} cuts"));
+        assert_same(&parts, &whole, 1 + rig.begins.len(), &format!("{what}, {count} cuts"));
     }
 }
 
@@ -235,6 +278,53 @@ fn sums_of_parts_make_the_model_of_the_whole_with_surroundings_and_with_events()
     let drift = DriftGiven::Kind(DriftKind::Correlated);
     let events = IdentifyOptions { constraints, drift, ..IdentifyOptions::default() };
     compare(&rig, Has { events: true, second: true, ..Has::default() }, &events, &[40], "events");
+}
+
+#[test]
+fn sums_of_parts_of_several_recordings_make_the_model_of_them_all() {
+    let none = IdentifyOptions { drift: DriftGiven::None, ..IdentifyOptions::default() };
+    let still = rig(9000, 0.0, 0).recordings(&[100..2600, 3000..3999, 4500..7001, 7300..9000]);
+    compare(&still, Has::default(), &none, &[1, 7, 64], "recordings");
+    let moved = rig(9000, 0.002, 0).recordings(&[0..2500, 2800..3250, 4001..6000, 7000..9000]);
+    let options = IdentifyOptions::default();
+    compare(&moved, Has { second: true, ..Has::default() }, &options, &[1, 7, 64], "recordings, drift");
+}
+
+#[test]
+fn sums_of_parts_with_many_short_segments_make_the_model_of_the_whole() {
+    let lengths = [700, 33, 250, 1, 90, 128, 5, 1000, 12, 400, 64, 300, 129, 2, 800, 41, 500];
+    let stretches = |from: usize| {
+        let next = |row: &mut usize, rows: usize| {
+            *row += rows + 40;
+            Some(*row - rows..*row)
+        };
+        lengths.into_iter().scan(from, move |row, rows| next(row, rows)).collect::<Vec<_>>()
+    };
+    let options = IdentifyOptions::default();
+    compare(&rig(9000, 0.002, 0).recordings(&stretches(0)), Has::default(), &options, &[1, 7, 64], "gaps");
+    let late = rig(9000, 0.002, 9).recordings(&stretches(20));
+    compare(&late, Has { second: true, ..Has::default() }, &options, &[3, 40], "gaps, late answer");
+}
+
+#[test]
+fn sums_of_parts_of_several_recordings_follow_surroundings_events_and_known_initial_states() {
+    let stretches = [0..2000, 2500..4100, 5000..7777, 8000..8900];
+    let ambient = IdentifyOptions { follow_ambient: true, ..IdentifyOptions::default() };
+    let still = rig(9000, 0.0, 2).recordings(&stretches);
+    compare(&still, Has { gas: true, ..Has::default() }, &ambient, &[1, 40], "recordings, surroundings");
+    let (initial_state, delay) = (Some(InitialState::Rest), Some(2));
+    let constraints = Constraints { initial_state, delay, feed_through: Some(false), ..Constraints::default() };
+    let drift = DriftGiven::Kind(DriftKind::Correlated);
+    let events = IdentifyOptions { constraints, drift, ..IdentifyOptions::default() };
+    let has = Has { events: true, second: true, ..Has::default() };
+    compare(&still, has, &events, &[40], "recordings, events, drift");
+    let events = IdentifyOptions { drift: DriftGiven::None, ..events };
+    compare(&still, has, &events, &[7], "recordings, events");
+    let settled = Constraints { initial_state: Some(InitialState::Settled), ..Constraints::default() };
+    let integrated = DriftGiven::Kind(DriftKind::IntegratedWalk);
+    let options = IdentifyOptions { constraints: settled, drift: integrated, ..IdentifyOptions::default() };
+    let moved = rig(9000, 0.002, 0).recordings(&stretches);
+    compare(&moved, Has::default(), &options, &[40], "recordings, settled");
 }
 
 /// Rows of a part that was changed since the plan was made.
@@ -274,6 +364,51 @@ fn sums_of_parts_of_measured_records_make_the_models_of_the_whole() {
         let options = IdentifyOptions::default();
         let whole = identify(&mut of(0..count), &options, &mut |_, _, _| {}, &mut |_| {}).unwrap();
         let cuts = cuts(count, 7, &mut random);
-        assert_same(&parted(&of, &options, &cuts, &mut random), &whole, &name);
+        assert_same(&parted(&of, &options, &cuts, &mut random), &whole, 1, &name);
+    }
+}
+
+/// Recordings of one head each, one after the other, with a gap in the midst of each.
+#[test]
+fn sums_of_parts_of_measured_recordings_make_the_models_of_them_all() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/more");
+    let heads = [
+        vec!["hal_semi30_T1", "hal_semi60_T1", "hal_val_T1"],
+        vec!["hal_val_T2", "hal_semi60_T2"],
+        vec!["luca_semi60_T1", "luca_val_T1", "luca_semi30_T1"],
+        vec!["luca_sine1_T1", "luca_sine2_T1"],
+        vec!["luca_val_T2", "luca_semi60_T2"],
+        vec!["sbhs_prbs2", "sbhs_sine", "sbhs_ramp", "sbhs_step"],
+    ];
+    let mut random = Random(8);
+    for names in heads {
+        let (mut all, mut begins, mut of_head) = (Block::default(), Vec::new(), None);
+        for name in &names {
+            let path = folder.join(format!("{name}.csv"));
+            if !path.exists() {
+                println!("skipped: {} is absent", path.display());
+                return;
+            }
+            let (survey, rows, _) = read_all(&path, &Selection::default()).unwrap();
+            let (middle, end) = (rows.len() / 2, rows.len());
+            for stretch in [0..middle, middle + 7..end] {
+                begins.push(all.len());
+                all.append(&rows.rows(stretch));
+            }
+            of_head.get_or_insert(survey);
+        }
+        let (survey, what) = (of_head.unwrap(), names.join(" + "));
+        let of = |rows: Range<usize>| {
+            let own: Vec<usize> =
+                begins.iter().filter(|at| rows.start < **at && **at < rows.end).map(|at| at - rows.start).collect();
+            RecordTable::part(&survey, &all, rows).with_segments(&own)
+        };
+        let options = IdentifyOptions::default();
+        let whole = identify(&mut of(0..all.len()), &options, &mut |_, _, _| {}, &mut |_| {}).unwrap();
+        for count in [1, 7, 64] {
+            let cuts = cuts(all.len(), count, &mut random);
+            let parts = parted(&of, &options, &cuts, &mut random);
+            assert_same(&parts, &whole, begins.len(), &format!("{what}, {count} cuts"));
+        }
     }
 }

@@ -4,17 +4,19 @@
 use super::error::RecordError;
 use super::source::{BLOCK, Block, RecordSource, Survey};
 
-/// A record of one segment, read in blocks of [`BLOCK`] rows.
+/// A record read in blocks of [`BLOCK`] rows, counted from the first of each segment.
 pub struct InBlocks<'a> {
     source: &'a mut dyn RecordSource,
+    /// Rows of one segment, and the first of the next one if they were read.
     waiting: Block,
+    ahead: Option<Block>,
     block: Block,
 }
 
 impl<'a> InBlocks<'a> {
     /// The same record.
     pub fn of(source: &'a mut dyn RecordSource) -> Self {
-        Self { source, waiting: Block::default(), block: Block::default() }
+        Self { source, waiting: Block::default(), ahead: None, block: Block::default() }
     }
 }
 
@@ -24,9 +26,15 @@ impl RecordSource for InBlocks<'_> {
     }
 
     fn next_block(&mut self) -> Result<Option<&Block>, RecordError> {
-        while self.waiting.len() < BLOCK {
-            let Some(block) = self.source.next_block()? else { break };
-            self.waiting.append(block);
+        if self.waiting.is_empty() {
+            self.waiting = self.ahead.take().unwrap_or_default();
+        }
+        while self.waiting.len() < BLOCK && self.ahead.is_none() {
+            match self.source.next_block()? {
+                Some(block) if block.begins_segment && !self.waiting.is_empty() => self.ahead = Some(block.clone()),
+                Some(block) => self.waiting.append(block),
+                None => break,
+            }
         }
         let all = std::mem::take(&mut self.waiting);
         let rows = all.len().min(BLOCK);
@@ -35,7 +43,7 @@ impl RecordSource for InBlocks<'_> {
     }
 
     fn restart(&mut self) -> Result<(), RecordError> {
-        self.waiting = Block::default();
+        (self.waiting, self.ahead) = (Block::default(), None);
         self.source.restart()
     }
 
