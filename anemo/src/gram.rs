@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use crate::identify::{ModelOptions, is_gram};
+use crate::identify::{ModelOptions, is_gram, named};
 use crate::output::Failure;
 use crate::progress::progress_bar;
 use diffusive::identify::parts::{GramError, GramFile, GramPlan, PartStarts, SummedRows, join_files};
@@ -100,11 +100,11 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         Some(_) if is_join => {
             return Err(Failure::usage("--plan is for a part of a record: leave it out to join sums"));
         }
-        None if is_join => join_files(files).map(|(plan, sums)| (plan, Some(sums)))?,
+        None if is_join => join_files(&named(files)?)?,
         None => {
-            let (plan, starts) = planned(files, model)?;
-            GramFile::write_plan(output_file, &plan, &starts).map_err(Failure::work)?;
-            (plan, None)
+            let (plan, starts) = planned(&named(files)?, model)?;
+            let bytes = GramFile::write_plan(output_file, &plan, &starts).map_err(Failure::work)?;
+            return report(&plan, None, (output_file, bytes), *json);
         }
         Some(path) => {
             let [part] = &files[..] else {
@@ -113,25 +113,30 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
             let file = GramFile::open(path)?;
             let plan = file.plan.clone();
             let sums = plan.sum_file(&file.starts()?, part, &mut progress_bar())?;
-            (plan, Some(sums))
+            (plan, sums)
         }
     };
-    if let Some(sums) = &sums {
-        GramFile::write(output_file, &plan, sums).map_err(Failure::work)?;
-    }
-    let bytes = std::fs::metadata(output_file).map_err(|error| Failure::in_file(output_file, error))?.len();
-    let of = |of: fn(&SummedRows) -> u64| sums.as_ref().map(of);
+    let bytes = GramFile::write(output_file, &plan, &sums).map_err(Failure::work)?;
+    report(&plan, Some(&sums), (output_file, bytes), *json)
+}
+
+fn report(
+    plan: &GramPlan,
+    sums: Option<&SummedRows>,
+    (written, bytes): (&Path, u64),
+    json: bool,
+) -> Result<(), Failure> {
     let report = GramReport {
         record: plan.record(),
         record_rows: plan.rows(),
         segments: plan.segments(),
         parts: plan.parts.len(),
-        first_row: of(|sums| sums.first_row),
-        rows: of(|sums| sums.rows),
-        written: output_file,
+        first_row: sums.map(|sums| sums.first_row),
+        rows: sums.map(|sums| sums.rows),
+        written,
         bytes,
     };
-    crate::output::print_report(&report, *json)
+    crate::output::print_report(&report, json)
 }
 
 fn planned(files: &[PathBuf], model: &ModelOptions) -> Result<(GramPlan, PartStarts), Failure> {

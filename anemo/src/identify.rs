@@ -257,7 +257,7 @@ impl ModelOptions {
             return Ok(());
         }
         Err(Failure::usage(format!(
-            "options of columns and model belong to the plan of the parts: give them to `anemo gram` when it makes the plan, and not to `{what}`"
+            "options of columns and model belong to the plan of the parts: give them to `anemo gram` when it makes the plan; `{what}` follows it here"
         )))
     }
 
@@ -373,7 +373,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         return identify_sums(arguments);
     }
     let (selection, gas) = arguments.model.selection();
-    let mut stream = RecordStream::open_all(&arguments.records, &selection).map_err(Failure::usage)?;
+    let mut stream = RecordStream::open_all(&named(&arguments.records)?, &selection).map_err(Failure::usage)?;
     let options = arguments.model.options(stream.survey(), gas)?;
     let canvas = arguments.picture.canvas()?;
     let mut fits = FitRecorder::new(canvas.is_some() || arguments.report.is_some(), stream.survey());
@@ -393,6 +393,12 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     crate::output::print_report(&report, arguments.json)
 }
 
+/// The files that patterns name: no shell knows the names of objects.
+pub fn named(files: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
+    let named: Result<Vec<_>, _> = files.iter().map(|path| recording::named_by(path)).collect();
+    Ok(named.map_err(Failure::usage)?.concat())
+}
+
 /// Whether a file has sums by its name.
 pub fn is_gram(path: &Path) -> bool {
     path.extension().is_some_and(|own| own.eq_ignore_ascii_case("gram"))
@@ -409,7 +415,7 @@ fn identify_sums(arguments: &Arguments) -> Result<(), Failure> {
         ));
     }
     arguments.model.refuse_any("anemo identify")?;
-    let (plan, sums) = join_files(&arguments.records)?;
+    let (plan, sums) = join_files(&named(&arguments.records)?)?;
     refuse_incomplete(&plan, &sums)?;
     let model = identify_parts(&plan, sums, &mut progress_bar())?;
     if let Some(path) = &arguments.output_file {

@@ -180,7 +180,15 @@ fn renamed(words: &[String]) -> Option<String> {
 
 /// Does what the command line of this process asks for.
 pub fn main() -> ExitCode {
-    ExitCode::from(main_of(std::env::args().skip(1).collect()))
+    let words: Result<Vec<String>, std::ffi::OsString> =
+        std::env::args_os().skip(1).map(std::ffi::OsString::into_string).collect();
+    ExitCode::from(match words {
+        Ok(words) => main_of(words),
+        Err(word) => {
+            output::complain(&format!("`{}` is no text in UTF-8: rename what it names", word.display()));
+            2
+        }
+    })
 }
 
 /// The same for these words, which are those behind `anemo`; gives the exit code.

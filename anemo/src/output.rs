@@ -286,12 +286,10 @@ pub fn is_experiments(folder: &std::path::Path) -> Result<(), Failure> {
 
 /// Refuses to write over a file that is read, by whatever path.
 pub fn keep(read: &[&std::path::Path], written: &[Option<&std::path::Path>]) -> Result<(), Failure> {
-    let whole = |path: &std::path::Path| match recording::object::is_object(path) {
-        true => Some(path.to_owned()),
-        false => path.canonicalize().ok(),
-    };
-    let read: Vec<_> = read.iter().filter_map(|path| whole(path)).collect();
-    let lost = written.iter().flatten().find(|path| whole(path).is_some_and(|path| read.contains(&path)));
+    // A pattern that names nothing is refused where it is read.
+    let named = read.iter().flat_map(|path| recording::named_by(path).unwrap_or_default());
+    let read: Vec<_> = named.map(|path| recording::whole_path(&path)).collect();
+    let lost = written.iter().flatten().find(|path| read.contains(&recording::whole_path(path)));
     lost.map_or(Ok(()), |path| {
         Err(Failure::in_file(path, "is read by this command, and would be overwritten: name another file"))
     })

@@ -184,6 +184,166 @@ def identify(
     )
 
 
+def gram(
+    *files: Source,
+    plan: Paths = None,
+    output_file: Paths = None,
+    input: Words = None,
+    output: Words = None,
+    event: Number = None,
+    columns: Words = None,
+    time_unit: Number = None,
+    sample_period: Number = None,
+    structure: Number = None,
+    gas_temperature: Number = None,
+    ambient: Number = None,
+    reference: Number = None,
+    order: Number = None,
+    mesh: Number = None,
+    cross_order: Number = None,
+    cross_mesh: Number = None,
+    ridge: Number = None,
+    non_negative: Number = None,
+    initial_state: Number = None,
+    feed_through: Number = None,
+    dead_time: Number = None,
+    free_poles: Number = None,
+    tie: bool = False,
+    losses: Number = None,
+    drift: Number = None,
+) -> Report:
+    """Sum the parts of a long record, on as many machines as there are, for `anemo identify`.
+
+    First a plan is made of all parts, in their order: it holds what is tried, and where each part
+    stands. Then each part is summed by itself, with the plan. Sums of neighbours may be joined.
+    From all sums `anemo identify` makes the model of the whole record with `--losses none`, to the
+    last digit. Parts are files that go on where the one before ended, recordings of the same head,
+    or both; gaps may be anywhere.
+
+    Parameters
+    ----------
+    files
+        All parts of a record, or all recordings, for a plan; with --plan, one of them; or .gram
+        files of neighbours, in any order, to be joined
+    plan
+        Sum a part of the record for which this plan was made
+    output_file
+        Write the plan to this .plan file, or the sums to this .gram file
+    input
+        Input columns, or elements; by default a recording's powers that vary, another table's
+        columns that change between the first and the last
+    output
+        Output columns, or elements; by default the temperatures of a recording's inputs, another
+        table's last column
+    event
+        Column with the labels of the conditions (winds); by default a text column `event`, in
+        another table than a recording also `class`, `wind`, `condition`, `phase` or `label`
+    columns
+        Names of all columns, in their order: for a table without a line of names, or in place of
+        them
+    time_unit
+        Unit of the times; by default what their column's name says (`time_ms`, `t [min]`), or s
+        - "s"
+        - "ms"
+        - "us"
+        - "min"
+        - "h"
+        - "d"
+    sample_period
+        Distance of the rows in time, s, for a table without times
+    structure
+        `symbol`: a time-constant spectrum a class; `conductance`: one spectrum, and a conductance a
+        class
+        - "symbol"
+        - "conductance"
+    gas_temperature
+        Gas temperature for --structure conductance, °C, or its column; estimated if not given
+    ambient
+        Measured temperature of the surroundings, which the output follows with relaxations of its
+        own: a column in °C. For structure `symbol`
+    reference
+        Class from whose conductance the others are counted; by default the least
+    order
+        Number of rates, 100 at most
+    mesh
+        Edges of the logarithmic grid of rates (diffusive mesh), rad/s
+    cross_order
+        Number of rates of cross-heating pairs: input i and output i are of one element
+        (self-heating)
+    cross_mesh
+        Edges of the grid of cross-heating pairs, rad/s; by default number and edges are those of
+        the others
+    ridge
+        Ridge on columns of unit norm; 0 for plain least squares
+    non_negative
+        Resistances that may not be negative: `auto` (unless cross-validation rejects it; none, of
+        structure `conductance`), `all`, `none`, or pairs as INPUT:OUTPUT,…
+        By default auto.
+    initial_state
+        Initial state of the record
+        - "rest": All states zero
+        - "settled": As if the first row's inputs had been held for ever
+        - "free": Anything
+    feed_through
+        Whether the output may follow its input at once. This and --dead-time are searched for,
+        unless both --order and --mesh are given
+    dead_time
+        Samples by which the output is late
+    free_poles
+        Number of free rates of an output, 1 to 8, for a small model; the fit starts from that on
+        the grid
+    tie
+        Reciprocal pairs: resistances from input i to output j are those from input j to output i
+    losses
+        Losses that grow with temperature: power less g (T − T₀)², T₀ being the temperature without
+        heating
+        - "none": Heat is lost in proportion to temperature
+        - "growing": g ≥ 0 of every element is estimated
+        - "auto": As `growing` where the record leaves no doubt, else as `none`
+        By default auto.
+    drift
+        Whether the offset moves, as a room's temperature does
+        - "auto": If the record shows it: kind and size of most evidence
+        - "none": It stands; nothing is averaged either
+        - "random-walk": A level with increments that have no memory
+        - "integrated-walk": A slope with such increments
+        - "correlated": A level that returns within a correlation time
+        By default auto.
+    """
+    return call(
+        "gram",
+        (*files,),
+        {
+            "--plan": plan,
+            "--output-file": output_file,
+            "--input": several(input),
+            "--output": several(output),
+            "--event": event,
+            "--columns": several(columns),
+            "--time-unit": time_unit,
+            "--sample-period": sample_period,
+            "--structure": structure,
+            "--gas-temperature": gas_temperature,
+            "--ambient": ambient,
+            "--reference": reference,
+            "--order": order,
+            "--mesh": mesh,
+            "--cross-order": cross_order,
+            "--cross-mesh": cross_mesh,
+            "--ridge": ridge,
+            "--non-negative": non_negative,
+            "--initial-state": initial_state,
+            "--feed-through": feed_through,
+            "--dead-time": dead_time,
+            "--free-poles": free_poles,
+            "--tie": flag(tie),
+            "--losses": losses,
+            "--drift": drift,
+        },
+        Report,
+    )
+
+
 def validate(
     model: Source,
     record: Source,
@@ -1398,6 +1558,7 @@ def meteorology(
 
 __all__ = [
     "identify",
+    "gram",
     "validate",
     "laws",
     "merge",

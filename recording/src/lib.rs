@@ -46,6 +46,7 @@
 //! | [`RecordingWriter`], [`Collector`], [`write_columns`], [`write_table`], [`write_any_table`] | rows into a file or a folder of segments; into memory; columns into a file |
 //! | [`ThinnedRecording`] | a file of any length, for pictures |
 //! | [`Recorder`], [`recover`], [`journal_of`], [`so_far`] | a writer in a thread of its own; what a journal has kept; its name; a folder that is continued |
+//! | [`named_by`], [`whole_path`] | the files of a pattern; one name of a file |
 //! | [`RecordingLayout`], [`RecordingRow`] | what a recording's rows consist of |
 //! | [`wind`] | columns of the wind estimate |
 //! | [`in_memory`] | tables and texts of another program in this process, read like files |
@@ -107,7 +108,7 @@ pub use names::{
     TRUE_VOLTAGE_SHIFT, TRUE_WIND, UNKNOWN_HEAT, UTC, VOLTAGE_SHIFT, column_name, element_of, in_columns,
     shared_column, stated_unit,
 };
-pub use parts::journal_of;
+pub use parts::{journal_of, named_by, whole_path};
 pub use reader::RecordingReader;
 pub use recording::Recording;
 pub use row::{RecordingLayout, RecordingRow};

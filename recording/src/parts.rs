@@ -60,54 +60,65 @@ pub(crate) fn number_of(journal: &Path) -> Option<u32> {
     metadata.iter().find(|(key, _)| key == SEGMENT_NUMBER)?.1.parse().ok()
 }
 
+/// The files, folders or objects that a pattern such as `run/*.parquet` names, in the order of
+/// their names; whatever is no pattern names itself.
+///
+/// # Errors
+/// If a pattern names nothing, or a folder of it cannot be read.
+pub fn named_by(path: &Path) -> Result<Vec<PathBuf>, RecordingError> {
+    let pattern = path.to_str().filter(|text| text.contains(['*', '?', '[']) && !path.exists());
+    let Some(pattern) = pattern else { return Ok(vec![path.to_owned()]) };
+    if object::is_object(path) {
+        if object::exists(path) {
+            return Ok(vec![path.to_owned()]);
+        }
+        let found = object::matching(path).map_err(|error| RecordingError::io(path, "read", error))?;
+        return if found.is_empty() { Err(RecordingError::new(path, "no object has such a name")) } else { Ok(found) };
+    }
+    let matches = glob::glob(pattern).map_err(|error| RecordingError::new(path, format!("is no pattern: {error}")))?;
+    let mut named = Vec::new();
+    for found in matches {
+        named.push(found.map_err(|error| RecordingError::io(error.path(), "read", error.error()))?);
+    }
+    if named.is_empty() { Err(RecordingError::new(path, "no file has such a name")) } else { Ok(named) }
+}
+
+/// A path by which two names of the same file or object can be told.
+pub fn whole_path(path: &Path) -> PathBuf {
+    if object::is_object(path) {
+        return object::whole_name(path);
+    }
+    path.canonicalize().unwrap_or_else(|_| path.to_owned())
+}
+
 /// The files that make up a recording, in the order of their rows; one at least.
 ///
 /// # Errors
 /// If a folder holds no recording, or a pattern names no file.
 pub(crate) fn files_of(path: &Path) -> Result<Vec<PathBuf>, RecordingError> {
-    if object::is_object(path) {
-        return objects_of(path);
-    }
-    if path.is_dir() {
-        let segments = segments_in(path)?;
-        let journal = journal_in(path);
-        // Between the end of a segment and the next journal, the old one repeats its rows.
-        let has_more = number_of(&journal).is_some_and(|number| segments.iter().all(|(closed, _)| *closed != number));
-        let closed = segments.into_iter().map(|(_, file)| file);
-        let files: Vec<PathBuf> = closed.chain(has_more.then_some(journal)).collect();
-        if files.is_empty() {
-            return Err(RecordingError::new(path, "is a folder without segment-*.parquet: it holds no recording"));
-        }
-        return Ok(files);
-    }
-    let pattern = path.to_str().filter(|text| text.contains(['*', '?', '[']) && !path.exists());
-    let Some(pattern) = pattern else { return Ok(vec![path.to_owned()]) };
-    let matches = glob::glob(pattern).map_err(|error| RecordingError::new(path, format!("is no pattern: {error}")))?;
     let mut files = Vec::new();
-    for found in matches {
-        let found = found.map_err(|error| RecordingError::io(error.path(), "read", error.error()))?;
-        files.extend(if found.is_dir() { files_of(&found)? } else { vec![found] });
-    }
-    if files.is_empty() {
-        return Err(RecordingError::new(path, "no file has such a name"));
+    for named in named_by(path)? {
+        let is_folder = if object::is_object(&named) { named.extension().is_none() } else { named.is_dir() };
+        files.extend(if is_folder { files_in(&named)? } else { vec![named] });
     }
     Ok(files)
 }
 
-/// The same of objects, which no journal is among.
-fn objects_of(path: &Path) -> Result<Vec<PathBuf>, RecordingError> {
-    let is_pattern = path.to_string_lossy().contains(['*', '?', '[']);
-    let found = match path.extension() {
-        _ if is_pattern => object::matching(path),
-        None => object::segments_in(path),
-        Some(_) => return Ok(vec![path.to_owned()]),
-    };
-    let found = found.map_err(|error| RecordingError::io(path, "read", error))?;
-    match (found.is_empty(), is_pattern) {
-        (false, _) => Ok(found),
-        (true, true) => Err(RecordingError::new(path, "no object has such a name")),
-        (true, false) => {
-            Err(RecordingError::new(path, "has no objects segment-*.parquet below it: it holds no recording"))
-        }
+/// The files of a folder, or what was copied as one into a store.
+fn files_in(folder: &Path) -> Result<Vec<PathBuf>, RecordingError> {
+    if object::is_object(folder) {
+        let segments = object::segments_in(folder).map_err(|error| RecordingError::io(folder, "read", error))?;
+        let sentence = "has no objects segment-*.parquet below it: it holds no recording";
+        return if segments.is_empty() { Err(RecordingError::new(folder, sentence)) } else { Ok(segments) };
     }
+    let segments = segments_in(folder)?;
+    let journal = journal_in(folder);
+    // Between the end of a segment and the next journal, the old one repeats its rows.
+    let has_more = number_of(&journal).is_some_and(|number| segments.iter().all(|(closed, _)| *closed != number));
+    let closed = segments.into_iter().map(|(_, file)| file);
+    let files: Vec<PathBuf> = closed.chain(has_more.then_some(journal)).collect();
+    if files.is_empty() {
+        return Err(RecordingError::new(folder, "is a folder without segment-*.parquet: it holds no recording"));
+    }
+    Ok(files)
 }

@@ -30,6 +30,9 @@ impl Temporary {
     pub fn create(destination: &Path) -> io::Result<(Self, File)> {
         let name = destination.file_name().ok_or_else(|| io::Error::other("the name of a file belongs here"))?;
         if object::is_object(destination) {
+            if destination.as_os_str().as_encoded_bytes().ends_with(b"/") {
+                return Err(io::Error::other("it is a folder"));
+            }
             object::check_writable(destination)?;
             let (file, beside) = tempfile::Builder::new().prefix(&prefix(name)).tempfile()?.into_parts();
             return Ok((Self { beside, destination: destination.to_owned() }, file));

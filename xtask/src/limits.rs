@@ -4,7 +4,7 @@ use crate::{pages, shell};
 use anyhow::{Context, Result, bail};
 
 /// Of all pages, tables' bars included.
-const MOST_WORDS: usize = 85_700;
+const MOST_WORDS: usize = 86_000;
 const MOST_PAGE_WORDS: usize = 2_500;
 const MOST_README_WORDS: usize = 1_345;
 const MOST_README_LINES: usize = 155;

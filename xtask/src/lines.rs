@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 const BAR_LINES: usize = 41_000;
 /// What it has come down to: more lines of code are refused. Lower it with every deletion; raise it
 /// only for what somebody can do with the new lines.
-const MOST_LINES: usize = 85_000;
+const MOST_LINES: usize = 85_300;
 /// A crate that is there to test another: its lines are tests as a whole.
 const TEST_EQUIPMENT: &str = "silicon";
 

@@ -141,6 +141,15 @@ fn recordings_and_models_are_read_and_written_as_objects_by_the_name_of_the_buck
     let fetched = store.log().lines().filter(|line| line.contains("GET /winds/run/a.csv")).count();
     assert_eq!(fetched, 2, "{}", store.log());
     stdout(&store.anemo("validate s3://winds/models/parts.json s3://winds/run/a.csv"));
+    stdout(&store.anemo("gram s3://winds/run/*.csv -o s3://winds/sums/r.plan"));
+    for part in ["a", "b"] {
+        let sums =
+            format!("gram s3://winds/run/{part}.csv --plan s3://winds/sums/r.plan -o s3://winds/sums/{part}.gram");
+        stdout(&store.anemo(&sums));
+    }
+    stdout(&store.anemo("identify s3://winds/sums/*.gram -o sums.json"));
+    stdout(&store.anemo("identify a.csv b.csv --losses none -o rows.json"));
+    assert_eq!(model("sums.json")["pairs"], model("rows.json")["pairs"]);
 
     // An experiment names its head as a file does.
     let up = "[s3.upload_file(root + n, 'winds', n) for root in ('{root}',) for n in ('experiments/steady.toml', 'heads/sphere-b.toml', 'heads/models/sphere-b-mars-still.toml')]";
@@ -162,7 +171,7 @@ fn recordings_and_models_are_read_and_written_as_objects_by_the_name_of_the_buck
         assert!(refused.contains(sentence), "{refused}");
     }
     let nowhere = store.refused("reduce s3://winds/models/parts.json --order 1 -o s3://nowhere/reduced.json", 2);
-    assert!(nowhere.contains("s3://nowhere/reduced.json: cannot be written"), "{nowhere}");
+    assert!(nowhere.contains("s3://nowhere/reduced.json: cannot be written: there is no such bucket"), "{nowhere}");
 }
 
 #[test]

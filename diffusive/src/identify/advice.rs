@@ -36,13 +36,13 @@ const FAR: f64 = 0.1;
 
 /// A sentence for every part, that of the length first. `losses_asked`: losses that grow with
 /// temperature were looked for on request.
-pub fn advice(model: &Model, losses_asked: bool) -> Vec<String> {
+pub fn advice(model: &Model, longest_s: f64, losses_asked: bool) -> Vec<String> {
     let (slowest_s, fastest_s) = time_constants(model);
     if slowest_s == 0.0 {
         // A response of nothing says nothing of the body.
         return Vec::new();
     }
-    let mut advice = vec![length(model, slowest_s), input(model, slowest_s, fastest_s)];
+    let mut advice = vec![length(model, longest_s, slowest_s), input(model, slowest_s, fastest_s)];
     advice.extend(amplitude(model));
     if losses_asked || model.losses.is_some() {
         advice.push("levels: bits between two levels for half of the record, between one of them and a third for the rest, so that a gain that falls with temperature shows".to_owned());
@@ -51,32 +51,33 @@ pub fn advice(model: &Model, losses_asked: bool) -> Vec<String> {
     advice
 }
 
-fn length(model: &Model, slowest_s: f64) -> String {
-    let duration_s = model.provenance.duration_s;
+fn length(model: &Model, longest_s: f64, slowest_s: f64) -> String {
+    // What a segment began with hides what is slower than it.
+    let in_one = if longest_s < model.provenance.duration_s { " in one piece" } else { "" };
     let unsure = weighty(model).into_iter().map(|(_, class)| uncertainty(class)).fold(0.0, f64::max);
     let least_s = TIME_CONSTANTS * slowest_s;
     if unsure > UNSURE {
-        let needed = rough(least_s.max(LENGTHS * duration_s));
+        let needed = rough(least_s.max(LENGTHS * longest_s));
         let known = if unsure < 1.0 {
             format!("is known to ±{} % only", rough(100.0 * unsure))
         } else {
             "is not known at all".to_owned()
         };
         return format!(
-            "length: {needed} s or more, {LENGTHS} times the present {} s at least: a steady gain {known}, and so are slow time constants",
-            brief(duration_s)
+            "length: {needed} s or more{in_one}, {LENGTHS} times the present {} s at least: a steady gain {known}, and so are slow time constants",
+            brief(longest_s)
         );
     }
     let slowest = rough(slowest_s);
-    if least_s > duration_s {
+    if least_s > longest_s {
         let needed = rough(least_s);
         return format!(
-            "length: {needed} s or more, {TIME_CONSTANTS} times the slowest time constant that carries weight, {slowest} s"
+            "length: {needed} s or more{in_one}, {TIME_CONSTANTS} times the slowest time constant that carries weight, {slowest} s"
         );
     }
-    let (present, times) = (brief(duration_s), rough(duration_s / slowest_s));
+    let (present, times) = (brief(longest_s), rough(longest_s / slowest_s));
     format!(
-        "length: the present {present} s are enough, {times} times the slowest time constant that carries weight, {slowest} s"
+        "length: the present {present} s{in_one} are enough, {times} times the slowest time constant that carries weight, {slowest} s"
     )
 }
 
@@ -209,7 +210,7 @@ mod tests {
 
     #[test]
     fn a_record_that_is_long_and_clear_enough_is_to_be_as_it_is() {
-        let advice = advice(&model(1000.0), false);
+        let advice = advice(&model(1000.0), 1000.0, false);
         assert_eq!(
             advice,
             [
@@ -226,7 +227,7 @@ mod tests {
     fn what_a_record_lacks_the_next_one_has() {
         let mut short = model(100.0);
         let starts = |model: &Model, at: usize, start: &str| {
-            let advice = advice(model, true);
+            let advice = advice(model, model.provenance.duration_s, true);
             assert!(advice[at].starts_with(start), "{advice:#?}");
         };
         starts(&short, 0, "length: 250 s or more, 5 times");
@@ -238,15 +239,15 @@ mod tests {
         );
         short.sample_period_s = 3.0;
         starts(&short, 1, "input: pseudo-random bits of 3 s");
-        assert!(advice(&short, true)[1].ends_with("; sample every 1 s or faster"));
+        assert!(advice(&short, short.provenance.duration_s, true)[1].ends_with("; sample every 1 s or faster"));
         let output = &mut short.outputs[0];
         output.residual_rms = 0.1;
         let whiteness = Whiteness { autocorrelation: vec![0.9], q: 1e3, p_value: 0.0, inflation: 5.0 };
         output.whiteness = Some(whiteness);
         starts(&short, 2, "amplitude: 5 times the present one");
-        assert!(advice(&short, true)[2].ends_with("or structure that the model lacks"));
+        assert!(advice(&short, short.provenance.duration_s, true)[2].ends_with("or structure that the model lacks"));
         starts(&short, 3, "levels: ");
-        assert_eq!(advice(&short, false).len(), 3);
+        assert_eq!(advice(&short, short.provenance.duration_s, false).len(), 3);
         short.outputs[0].forecast_rms = Some(0.5);
         starts(&short, 4, "surroundings: record their temperature in a column of its own, since what comes after");
         short.outputs[0].drift = Some(OutputDrift {
@@ -256,8 +257,14 @@ mod tests {
             last_level_k: 0.1,
             evidence_nats: 50.0,
         });
-        assert!(advice(&short, true)[4].ends_with("since the offset of `temperature_c_a` moved"));
+        assert!(
+            advice(&short, short.provenance.duration_s, true)[4]
+                .ends_with("since the offset of `temperature_c_a` moved")
+        );
         short.outputs[0].drift.as_mut().unwrap().kind = OutputDrift::AVERAGE.to_owned();
-        assert!(advice(&short, true)[4].ends_with("since the offset of `temperature_c_a` may have moved"));
+        assert!(
+            advice(&short, short.provenance.duration_s, true)[4]
+                .ends_with("since the offset of `temperature_c_a` may have moved")
+        );
     }
 }

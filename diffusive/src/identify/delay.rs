@@ -50,9 +50,10 @@ struct TriedPath {
 
 /// Tries delays, closer and closer around the best, judged by the outputs together.
 fn try_paths(source: &mut dyn RecordSource, given: &Constraints) -> Result<Vec<TriedPath>, RecordError> {
-    let rows = source.survey().rows.min(WINDOW);
+    // A given dead time leaves most of the rows.
+    let rows = source.survey().rows.min(WINDOW.max(8 * given.delay.unwrap_or(0) as u64));
     let longest = (rows / 20) as usize;
-    let wanted = |delay: &usize| *delay <= longest && given.delay.is_none_or(|given| given == *delay);
+    let wanted = |delay: &usize| given.delay.map_or(*delay <= longest, |given| given == *delay);
     let mut delays: Vec<usize> = DELAYS.into_iter().filter(wanted).collect();
     delays.extend(given.delay.filter(|delay| !DELAYS.contains(delay)));
     let mut found: Vec<TriedPath> = Vec::new();

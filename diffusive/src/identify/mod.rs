@@ -140,7 +140,7 @@ fn judged(mut model: Model, survey: &Survey, options: &IdentifyOptions) -> Model
     model.supported &= against.is_empty();
     model.warnings.extend(against);
     model.warnings.extend(support::undrifted(&model, options));
-    model.advice = advice::advice(&model, options.losses == Losses::Growing);
+    model.advice = advice::advice(&model, survey.longest_s(), options.losses == Losses::Growing);
     model
 }
 

@@ -9,7 +9,7 @@ use super::gas_source::GasSource;
 use super::gram::Gram;
 use super::moves::InputMoves;
 use super::quiet_start::QuietStart;
-use super::record::{Block, RecordError, RecordSource, Survey};
+use super::record::{Block, InBlocks, RecordError, RecordSource, Survey};
 use super::segment::start_rates;
 use super::spread::{ValueSpread, deviation};
 use super::whole_batches::WholeBatches;
@@ -183,7 +183,8 @@ pub struct Passed {
     pub output_shift: Vec<f64>,
 }
 
-/// Reads the record once. `rows` at most are taken; `progress` hears of every block.
+/// Reads the record once, in blocks that do not depend on its files: nothing should follow from how
+/// it is cut. `rows` at most are taken; `progress` hears of every block.
 pub fn pass(
     source: &mut dyn RecordSource,
     designs: &[RegressionDesign],
@@ -192,6 +193,7 @@ pub fn pass(
     rows: u64,
     progress: &mut dyn FnMut(u64),
 ) -> Result<Passed, RecordError> {
+    let source = &mut InBlocks::of(source);
     source.restart()?;
     let survey = source.survey();
     let (sample_period_s, expected) = (survey.sample_period_s, survey.rows.min(rows));

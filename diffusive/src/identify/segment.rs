@@ -30,7 +30,7 @@ pub fn start_rates(survey: &Survey) -> Vec<f64> {
     if survey.segments < 2 {
         return Vec::new();
     }
-    let (first, last) = (0.5 * TAU / survey.duration_s(), PI / survey.sample_period_s);
+    let (first, last) = (0.5 * TAU / survey.longest_s(), PI / survey.sample_period_s);
     let order = (PER_DECADE * (last / first).log10()).ceil() as usize + 1;
     (0..order).map(|k| mesh::rate_rad_s(first, last, k, order)).collect()
 }

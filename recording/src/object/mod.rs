@@ -14,11 +14,11 @@ mod store;
 #[cfg_attr(not(feature = "object-store"), path = "absent.rs")]
 mod transfer;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 pub use transfer::forget;
-pub(crate) use transfer::{check_writable, matching, open, put, segments_in};
+pub(crate) use transfer::{check_writable, exists, matching, open, put, segments_in};
 
 const SCHEME: &str = "s3://";
 
@@ -37,4 +37,22 @@ pub fn on_fetch(hear: OnFetch) {
 /// Whether a path names an object rather than a file.
 pub fn is_object(path: &Path) -> bool {
     path.to_str().is_some_and(|text| text.starts_with(SCHEME))
+}
+
+/// The name of an object without `.` and `..`: `s3://lab/experiments/../heads/b.toml`, as a file that
+/// names another has it, is `s3://lab/heads/b.toml`, though a store knows no folders.
+pub(crate) fn whole_name(path: &Path) -> PathBuf {
+    let name = path.to_str().and_then(|text| text.strip_prefix(SCHEME)).unwrap_or_default();
+    let mut parts: Vec<&str> = Vec::new();
+    for part in name.split('/') {
+        match part {
+            "." => {}
+            // Nothing lies above a bucket.
+            ".." if parts.len() > 1 => {
+                parts.pop();
+            }
+            _ => parts.push(part),
+        }
+    }
+    format!("{SCHEME}{}", parts.join("/")).into()
 }

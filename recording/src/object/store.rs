@@ -13,11 +13,14 @@ use object_store::{ClientOptions, Error, RetryConfig};
 use reqwest::Url;
 use tokio::runtime::{Builder, Runtime};
 
-use super::SCHEME;
+use super::{SCHEME, whole_name};
 
 /// A request is sent so many times at most, and no more after so long.
 const RETRIES: usize = 4;
 const PATIENCE: Duration = Duration::from_secs(20);
+
+/// So long may a store be silent.
+const SILENCE: Duration = Duration::from_secs(30);
 
 static RUNTIME: LazyLock<io::Result<Runtime>> = LazyLock::new(|| Builder::new_current_thread().enable_all().build());
 static STORES: LazyLock<Mutex<HashMap<String, Arc<AmazonS3>>>> = LazyLock::new(Mutex::default);
@@ -32,32 +35,16 @@ impl ObjectPlace {
     /// # Errors
     /// If the name has no bucket or no key, or the environment says nothing sound of the store.
     pub fn of(path: &Path) -> io::Result<Self> {
+        let path = whole_name(path);
         let name = path.to_str().and_then(|text| text.strip_prefix(SCHEME)).unwrap_or_default();
         let (bucket, key) = name.split_once('/').unwrap_or((name, ""));
         let is_of_bucket = |letter: char| letter.is_ascii_alphanumeric() || matches!(letter, '.' | '-' | '_');
         if bucket.is_empty() || key.is_empty() || key.starts_with('/') || !bucket.chars().all(is_of_bucket) {
             return Err(io::Error::other("it names no object: s3://bucket/name belongs here"));
         }
-        let key =
-            Key::parse(without_dots(key)).map_err(|error| io::Error::other(format!("it names no object: {error}")))?;
+        let key = Key::parse(key).map_err(|error| io::Error::other(format!("it names no object: {error}")))?;
         Ok(Self { store: store_of(bucket)?, key })
     }
-}
-
-/// The key of a file that another names: `experiments/../heads/b.toml` lies beside `experiments`,
-/// though a store knows no folders.
-fn without_dots(key: &str) -> String {
-    let mut parts = Vec::new();
-    for part in key.split('/') {
-        match part {
-            "." => {}
-            ".." if parts.last().is_some_and(|last| *last != "..") => {
-                parts.pop();
-            }
-            _ => parts.push(part),
-        }
-    }
-    parts.join("/")
 }
 
 fn store_of(bucket: &str) -> io::Result<Arc<AmazonS3>> {
@@ -68,7 +55,8 @@ fn store_of(bucket: &str) -> io::Result<Arc<AmazonS3>> {
     // Without this, connections by TLS would not know which library encrypts; a second time is
     // refused, and changes nothing.
     let _ = rustls::crypto::ring::default_provider().install_default();
-    let mut client = ClientOptions::new();
+    // A slow line is none that is broken: silence is limited, not the whole of an answer.
+    let mut client = ClientOptions::new().with_timeout_disabled().with_read_timeout(SILENCE);
     for variable in ["AWS_ENDPOINT_URL", "AWS_ENDPOINT"] {
         let Ok(endpoint) = std::env::var(variable) else { continue };
         let scheme = Url::parse(&endpoint).ok().filter(Url::has_host).map(|url| url.scheme().to_owned());
@@ -85,7 +73,7 @@ fn store_of(bucket: &str) -> io::Result<Arc<AmazonS3>> {
     }
     let retry = RetryConfig { max_retries: RETRIES, retry_timeout: PATIENCE, ..RetryConfig::default() };
     let builder = AmazonS3Builder::from_env().with_client_options(client).with_retry(retry);
-    let store = Arc::new(builder.with_bucket_name(bucket).build().map_err(reworded)?);
+    let store = Arc::new(builder.with_bucket_name(bucket).build().map_err(unfit)?);
     stores.insert(bucket.to_owned(), Arc::clone(&store));
     Ok(store)
 }
@@ -106,11 +94,23 @@ pub fn wait<T>(answer: impl Future<Output = Result<T, Error>>) -> io::Result<T> 
     }
 }
 
-fn reworded(error: Error) -> io::Error {
+/// Variables that make no store.
+fn unfit(error: Error) -> io::Error {
+    io::Error::other(format!("the variables AWS_… of the environment do not fit: {}", root_of(&error)))
+}
+
+fn root_of(error: &Error) -> String {
     let root = std::iter::successors(error.source(), |&error| error.source()).last().map(ToString::to_string);
-    let root = root.unwrap_or_else(|| error.to_string());
+    root.unwrap_or_else(|| error.to_string())
+}
+
+fn reworded(error: Error) -> io::Error {
+    let root = root_of(&error);
+    // What a store says for programs stands in XML behind what it says for people.
+    let root = root.split('<').next().unwrap_or_default().trim_end_matches([':', ' ']);
     match error {
         Error::NotFound { .. } => io::Error::new(io::ErrorKind::NotFound, "there is no such object or bucket"),
+        Error::Precondition { .. } => io::Error::other("it was replaced while it was read: read it again"),
         Error::PermissionDenied { .. } | Error::Unauthenticated { .. } => io::Error::new(
             io::ErrorKind::PermissionDenied,
             format!(
@@ -118,6 +118,9 @@ fn reworded(error: Error) -> io::Error {
                  a public bucket ({root})"
             ),
         ),
+        _ if error.to_string().contains("NoSuchBucket") => {
+            io::Error::new(io::ErrorKind::NotFound, "there is no such bucket")
+        }
         _ if error.to_string().contains("169.254.") => io::Error::other(
             "there are no credentials: set AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY, or AWS_SKIP_SIGNATURE=true for \
              a public bucket",

@@ -76,7 +76,10 @@ fn reopened(mut file: &File) -> io::Result<File> {
 }
 
 fn fetch(store: &dyn ObjectStore, key: &Key, is_of: &ObjectMeta, progress: &mut FetchProgress) -> io::Result<File> {
-    let mut file = tempfile::tempfile()?;
+    // That there is no folder for it must not read as if there were no object.
+    let mut file = tempfile::tempfile().map_err(|error| {
+        io::Error::other(format!("no file can be made in {}: {error}", std::env::temp_dir().display()))
+    })?;
     for from in (0..is_of.size).step_by(PART as usize) {
         if is_interrupted() {
             return Err(io::Error::other("reading it was interrupted"));
@@ -90,6 +93,11 @@ fn fetch(store: &dyn ObjectStore, key: &Key, is_of: &ObjectMeta, progress: &mut 
     }
     file.rewind()?;
     Ok(file)
+}
+
+/// Whether there is such an object.
+pub fn exists(path: &Path) -> bool {
+    ObjectPlace::of(path).and_then(|place| wait(place.store.head(&place.key))).is_ok()
 }
 
 /// The objects that a pattern names, in the order of their names.

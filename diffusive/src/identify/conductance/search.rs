@@ -65,7 +65,7 @@ impl WindSearch {
             GasGiven::ConstantC(gas_c) => GasSource::Constant(gas_c),
             GasGiven::Column => GasSource::Column,
         };
-        let meshes = plan::meshes(survey.duration_s(), survey.sample_period_s, options);
+        let meshes = plan::meshes(survey.longest_s(), survey.sample_period_s, options);
         let design = |mesh| plan::design(mesh, survey.inputs.len(), classes.len(), reference, banks);
         let designs: Vec<RegressionDesign> = meshes.iter().map(design).collect();
         let roles: Vec<Vec<Role>> = designs.iter().map(RegressionDesign::roles).collect();
@@ -123,7 +123,7 @@ impl WindSearch {
                 gates: self.banks == GasBanks::Gates,
                 follows,
             },
-            scales: Scales::of(&self.designs[mesh], &self.passed.facts, std::f64::consts::TAU / survey.duration_s()),
+            scales: Scales::of(&self.designs[mesh], &self.passed.facts, std::f64::consts::TAU / survey.longest_s()),
             prior,
             initial_state,
             sample_period_s: survey.sample_period_s,

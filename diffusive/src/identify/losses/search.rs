@@ -104,7 +104,7 @@ fn reading(
     let passed = pass(&mut beside, &regressions, FOLDS, GasSource::Constant(0.0), u64::MAX, &mut tell)?;
     source.restart()?;
     let survey = source.survey();
-    let (thesis_rad_s, _) = thesis_edges_rad_s(survey.duration_s(), survey.sample_period_s, model.classes.len() as u32);
+    let (thesis_rad_s, _) = thesis_edges_rad_s(survey.longest_s(), survey.sample_period_s, model.classes.len() as u32);
     let facts = &passed.facts;
     let profiles: Vec<Profile> = (designs.iter().zip(passed.folds).zip(&outputs))
         .map(|((design, folds), &output)| Profile::of(model, output, design, folds, facts, thesis_rad_s))

@@ -7,7 +7,7 @@ use twox_hash::XxHash3_64;
 
 use crate::identify::record::Block;
 
-/// A checksum of numbers row by row, however they are cut into blocks.
+/// A checksum of numbers and classes row by row, however they are cut into blocks.
 #[derive(Default)]
 pub(super) struct RowChecksum(XxHash3_64);
 
@@ -20,6 +20,7 @@ impl RowChecksum {
             for value in columns.iter().filter_map(|column| column.get(row)) {
                 self.0.write(&value.to_bits().to_le_bytes());
             }
+            self.0.write(&block.class[row].to_le_bytes());
         }
     }
 
@@ -84,5 +85,8 @@ mod tests {
         let mut changed = block(0, 100);
         changed.outputs[0][57] += 1e-12;
         assert_ne!(of(&[changed]), parts[0]);
+        let mut labelled = block(0, 100);
+        labelled.class[99] = 1;
+        assert_ne!(of(&[labelled]), parts[0]);
     }
 }

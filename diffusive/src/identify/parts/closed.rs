@@ -7,7 +7,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::designs::{SummedDesigns, columns_of};
-use super::lags::{Products, RowEdges};
+use super::lags::{LagProducts, RowEdges};
 use super::segment_rows::{SegmentRows, SummedBatches};
 use crate::identify::design::RegressionDesign;
 use crate::identify::folded_sums::FoldedSums;
@@ -20,7 +20,7 @@ use crate::identify::segment;
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct ClosedSums {
     designs: Vec<ClosedDesign>,
-    pub products: Products,
+    pub products: LagProducts,
     /// In the order of their rows.
     pub segments: Vec<ClosedSegment>,
     /// The last rows, as many as the model is late.

@@ -3,14 +3,14 @@
 
 use super::checksum::PartChecksums;
 use super::designs::{SegmentPlace, SummedDesigns};
-use super::plan::{PartPlace, PartStarts};
+use super::place::{PartPlace, PartStarts};
 use super::segment_rows::BatchRun;
 use crate::identify::panels::BATCH;
 use crate::identify::record::Block;
 use crate::identify::whole_batches::WholeBatches;
 
 /// A record that is being followed.
-pub struct Followed<'a> {
+pub struct FollowedRecord<'a> {
     designs: &'a SummedDesigns,
     run: BatchRun<'a>,
     batches: WholeBatches,
@@ -21,7 +21,7 @@ pub struct Followed<'a> {
     checksums: PartChecksums,
 }
 
-impl<'a> Followed<'a> {
+impl<'a> FollowedRecord<'a> {
     pub fn of(designs: &'a SummedDesigns, parts: &[PartPlace]) -> Self {
         let parts: Vec<[u64; 2]> = parts.iter().map(|part| [part.first_row, part.first_row + part.rows]).collect();
         Self {

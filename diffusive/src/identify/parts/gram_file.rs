@@ -11,7 +11,8 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::plan::{GramPlan, PartStarts};
+use super::place::PartStarts;
+use super::plan::GramPlan;
 use super::summed::SummedRows;
 use recording::Temporary;
 use twox_hash::XxHash3_64;
@@ -99,7 +100,8 @@ impl GramFile {
     /// # Errors
     /// If it cannot be read, or is no such file.
     pub fn open(path: &Path) -> Result<Self, GramError> {
-        let file = File::open(path).map_err(|error| GramError::of(path, format!("cannot be read: {error}")))?;
+        let file =
+            recording::regular::open(path).map_err(|error| GramError::of(path, format!("cannot be read: {error}")))?;
         let mut rest = Checked::new(BufReader::new(file));
         let not_it = |_| GramError::of(path, "is no file of sums: `anemo gram` writes them");
         let Header { format, version, plan, rows } = ciborium::from_reader(&mut rest).map_err(not_it)?;
@@ -143,24 +145,24 @@ impl GramFile {
         self.rest()
     }
 
-    /// Writes a plan, as a whole or not at all.
+    /// Writes a plan, as a whole or not at all; gives the number of bytes.
     ///
     /// # Errors
     /// If the file cannot be written.
-    pub fn write_plan(path: &Path, plan: &GramPlan, starts: &PartStarts) -> Result<(), GramError> {
+    pub fn write_plan(path: &Path, plan: &GramPlan, starts: &PartStarts) -> Result<u64, GramError> {
         write(path, plan, None, starts)
     }
 
-    /// Writes sums, as a whole or not at all.
+    /// Writes sums, as a whole or not at all; gives the number of bytes.
     ///
     /// # Errors
     /// If the file cannot be written.
-    pub fn write(path: &Path, plan: &GramPlan, sums: &SummedRows) -> Result<(), GramError> {
+    pub fn write(path: &Path, plan: &GramPlan, sums: &SummedRows) -> Result<u64, GramError> {
         write(path, plan, Some((sums.first_row, sums.rows)), sums)
     }
 }
 
-fn write(path: &Path, plan: &GramPlan, rows: Option<(u64, u64)>, rest: &impl Serialize) -> Result<(), GramError> {
+fn write(path: &Path, plan: &GramPlan, rows: Option<(u64, u64)>, rest: &impl Serialize) -> Result<u64, GramError> {
     let failed = |error: std::io::Error| GramError::of(path, format!("cannot be written: {error}"));
     let encoded = |error: ciborium::ser::Error<std::io::Error>| match error {
         ciborium::ser::Error::Io(error) => failed(error),
@@ -173,7 +175,9 @@ fn write(path: &Path, plan: &GramPlan, rows: Option<(u64, u64)>, rest: &impl Ser
     ciborium::into_writer(rest, &mut out).map_err(encoded)?;
     let checksum = out.checksum.finish();
     out.stream.write_all(&checksum.to_le_bytes()).and_then(|()| out.flush()).map_err(failed)?;
-    temporary.keep().map_err(failed)
+    let bytes = out.stream.get_ref().metadata().map_err(failed)?.len();
+    temporary.keep().map_err(failed)?;
+    Ok(bytes)
 }
 
 /// The sums of several files as one: of rows that follow each other, in whatever order the files

@@ -22,9 +22,9 @@ pub const MOST: usize = LAGS + FORGOTTEN;
 
 /// Lag by lag, of every two signals in their order.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct Products(Vec<Vec<f64>>);
+pub struct LagProducts(Vec<Vec<f64>>);
 
-impl Products {
+impl LagProducts {
     fn empty(signals: usize) -> Self {
         Self(vec![vec![0.0; MOST + 1]; signals * signals])
     }
@@ -77,18 +77,18 @@ impl RowEdges {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LagSums {
     signals: usize,
-    sums: Products,
+    sums: LagProducts,
     edges: RowEdges,
 }
 
 impl LagSums {
     pub fn empty(signals: usize) -> Self {
         let edges = RowEdges { rows: 0, first: vec![Vec::new(); signals], last: vec![vec![0.0; MOST]; signals] };
-        Self { signals, sums: Products::empty(signals), edges }
+        Self { signals, sums: LagProducts::empty(signals), edges }
     }
 
     /// Of rows that are all that follow each other.
-    pub fn into_parts(self) -> (Products, RowEdges) {
+    pub fn into_parts(self) -> (LagProducts, RowEdges) {
         let Self { sums, mut edges, .. } = self;
         let kept = edges.kept();
         edges.last.iter_mut().for_each(|last| drop(last.drain(..MOST - kept)));
@@ -117,7 +117,7 @@ impl LagSums {
 
     /// Adds the rows that come behind.
     pub fn append(&mut self, more: &Self) {
-        let mut begins = Self { sums: Products::empty(self.signals), ..self.clone() };
+        let mut begins = Self { sums: LagProducts::empty(self.signals), ..self.clone() };
         // What the first rows of the others have to do with the last of these, and, as they have
         // it already, with each other.
         begins.push(&more.edges.first);

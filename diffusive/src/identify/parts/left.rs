@@ -16,7 +16,7 @@
 //!
 //! Limit: of single rows only the first of a segment are known, 240 of them.
 
-use super::lags::{FORGOTTEN, Products, RowEdges};
+use super::lags::{FORGOTTEN, LagProducts, RowEdges};
 use crate::identify::design::{BankDrive, RegressionDesign, Role};
 use crate::identify::gram::Gram;
 use crate::identify::residuals::LAGS;
@@ -49,7 +49,7 @@ pub struct SegmentEdges<'a> {
 /// Sums of a record in the columns of an opened design.
 pub struct LeftSums<'a> {
     gram: &'a Gram,
-    lags: &'a Products,
+    lags: &'a LagProducts,
     segments: &'a [SegmentEdges<'a>],
     pub columns: Vec<Column>,
     /// Column of every signal.
@@ -61,7 +61,7 @@ impl<'a> LeftSums<'a> {
         design: &RegressionDesign,
         sample_period_s: f64,
         gram: &'a Gram,
-        lags: &'a Products,
+        lags: &'a LagProducts,
         segments: &'a [SegmentEdges<'a>],
     ) -> Self {
         let driven = design.banks.iter().filter(|bank| !matches!(bank.drive, BankDrive::Output(_))).count();

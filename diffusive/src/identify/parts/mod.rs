@@ -26,6 +26,7 @@ mod gram_file;
 mod lags;
 mod left;
 mod own_start;
+mod place;
 mod plan;
 mod reading;
 mod residual_sums;
@@ -36,7 +37,8 @@ mod tests;
 mod twofold;
 
 pub use gram_file::{GramError, GramFile, join_files, refuse_incomplete};
-pub use plan::{GramPlan, PartPlace, PartStarts};
+pub use place::{PartPlace, PartStarts};
+pub use plan::GramPlan;
 pub use segment_rows::BatchStart;
 pub use summed::SummedRows;
 

@@ -1,8 +1,8 @@
 //! What a later segment began with, for one model, and what that makes of residuals.
 //!
 //! ```text
-//! e = r + p,    p_n = Σ_k κ_k d_k^n                        r what drives the model leaves, p the start
-//! κ = −(DᵀD)⁻¹ Dᵀ r;                                       of a drift, what its filter makes of that
+//! e = r + p,    p_n = Σ_k κ_k d_k^n                    r what drives the model leaves, p the start
+//! κ = −(DᵀD)⁻¹ Dᵀ r;                                   of a drift, what its filter makes of that
 //! Σ_n d^n x_n = (d g Σ_n d^n u_n + x_0 − d^N x_N)/(1 − d a)                   x a relaxation of u
 //! Σ_n r_n p_{n+l} = Σ_k κ_k d_k^l (Σ_n r_n d_k^n − those of the last l rows)
 //! Σ_n p_n r_{n+l} = Σ_k κ_k d_k^−l (Σ_n r_n d_k^n − those of the first l rows)

@@ -6,15 +6,15 @@ use serde::{Deserialize, Serialize};
 
 use super::checksum::RowChecksum;
 use super::designs::{RecordFrame, SummedDesigns};
-use super::follow::Followed;
-use super::segment_rows::BatchStart;
+use super::follow::FollowedRecord;
+use super::place::{PartPlace, PartStarts};
 use super::summed::SummedRows;
 use crate::identify::delay::{self, PathDecision};
 use crate::identify::folds::FOLDS;
 use crate::identify::labels::labels;
 use crate::identify::options::{IdentifyOptions, Losses, Progress};
 use crate::identify::pass::{Facts, output_means};
-use crate::identify::record::{InBlocks, RecordError, RecordSource, RecordStream, Selection, Survey};
+use crate::identify::record::{Block, InBlocks, RecordError, RecordSource, RecordStream, Selection, Survey};
 use crate::identify::segment::start_rates;
 use crate::identify::symbol::{asked_of, plan::SymbolPlan};
 use crate::identify::validate_options;
@@ -27,23 +27,6 @@ const NOT_LOOKED_FOR: &str = "from sums of parts: losses that grow with temperat
 const MOST_SEGMENTS: u64 = 500;
 /// Why the rows of a part are not those for which the plan was made.
 const CHANGED: &str = "was changed since the plan was made: make the plan anew, of the parts as they are";
-
-/// A part of a record, and its place in it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct PartPlace {
-    /// Its file, as the plan found it.
-    pub path: PathBuf,
-    /// Counted from 0.
-    pub first_row: u64,
-    /// How many rows it has.
-    pub rows: u64,
-    /// Time of its first row, s.
-    pub first_time_s: f64,
-    /// Time of its last row, s.
-    pub last_time_s: f64,
-    /// Of its numbers.
-    pub(super) checksum: u64,
-}
 
 /// What is known of a record as a whole, and what is tried for it: the same for all its parts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -62,9 +45,6 @@ pub struct GramPlan {
     /// In the order of their rows.
     pub parts: Vec<PartPlace>,
 }
-
-/// By part, the states with which its first whole batch begins; none for a part without any.
-pub type PartStarts = Vec<Option<BatchStart>>;
 
 impl GramPlan {
     /// Plans the sums of a record whose parts are these files, in their order. Every file is read
@@ -91,7 +71,7 @@ impl GramPlan {
         if let Some(sentence) = whole.mended() {
             return Err(whole.survey().refuse(sentence));
         }
-        Self::of(&mut InBlocks::of(&mut whole), own, parts, options, progress)
+        Self::of(&mut whole, own, parts, options, progress)
     }
 
     /// Plans the sums of a record that is cut so.
@@ -102,6 +82,7 @@ impl GramPlan {
         options: &IdentifyOptions,
         progress: &mut Progress<'_>,
     ) -> Result<(Self, PartStarts), RecordError> {
+        let source = &mut InBlocks::of(source);
         let survey = source.survey().clone();
         let mut options = options.clone();
         refuse(&survey, &options)?;
@@ -150,7 +131,7 @@ impl GramPlan {
             self.facts.add(&first.rows(0..1));
         }
         let (designs, mut facts) = (self.designs()?, Facts::default());
-        let mut followed = Followed::of(&designs, &self.parts);
+        let mut followed = FollowedRecord::of(&designs, &self.parts);
         source.restart()?;
         while let Some(block) = source.next_block()? {
             let missing = block.missing.first().map(|&at| facts.rows + u64::from(at) + 1);
@@ -250,7 +231,7 @@ impl GramPlan {
             ),
         )?;
         if alike.len() > 1 {
-            let checksum = checksum(source)?;
+            let checksum = self.checksum(source)?;
             alike.retain(|&at| self.parts[at].checksum == checksum);
         }
         let named = alike.iter().find(|&&at| self.parts[at].path.file_name() == part.path.file_name());
@@ -271,18 +252,36 @@ impl GramPlan {
         let (survey, mut done, mut checksum) = (source.survey().clone(), 0, RowChecksum::default());
         source.restart()?;
         while let Some(block) = source.next_block()? {
+            let block = block.clone();
+            let block = self.in_its_classes(block, source)?;
             done += block.len() as u64;
-            checksum.add(block, 0..block.len());
-            let mut block = block.clone();
-            let class_of: Result<Vec<u32>, RecordError> =
-                source.classes().iter().map(|label| self.class(&survey, label)).collect();
-            let class_of = class_of?;
-            block.class.iter_mut().for_each(|class| *class = class_of[*class as usize]);
+            checksum.add(&block, 0..block.len());
             summing.push(&block).ok_or_else(|| survey.refuse(CHANGED))?;
             progress("summing", done, survey.rows);
         }
         survey.refuse_if(checksum.finish() != self.parts[part].checksum, CHANGED)?;
         summing.finish().ok_or_else(|| survey.refuse(CHANGED))
+    }
+
+    /// The checksum of a part's rows, from a reading.
+    fn checksum(&self, source: &mut dyn RecordSource) -> Result<u64, RecordError> {
+        let mut checksum = RowChecksum::default();
+        source.restart()?;
+        while let Some(block) = source.next_block()? {
+            let block = block.clone();
+            let block = self.in_its_classes(block, source)?;
+            checksum.add(&block, 0..block.len());
+        }
+        Ok(checksum.finish())
+    }
+
+    /// Rows of a part with the numbers that classes have in the whole record.
+    fn in_its_classes(&self, mut block: Block, part: &dyn RecordSource) -> Result<Block, RecordError> {
+        let class_of: Result<Vec<u32>, RecordError> =
+            part.classes().iter().map(|label| self.class(part.survey(), label)).collect();
+        let class_of = class_of?;
+        block.class.iter_mut().for_each(|class| *class = class_of[*class as usize]);
+        Ok(block)
     }
 
     fn class(&self, part: &Survey, label: &str) -> Result<u32, RecordError> {
@@ -313,16 +312,6 @@ fn refuse(survey: &Survey, options: &IdentifyOptions) -> Result<(), RecordError>
             survey.segments
         ),
     )
-}
-
-/// The checksum of a part's rows, from a reading.
-fn checksum(source: &mut dyn RecordSource) -> Result<u64, RecordError> {
-    let mut checksum = RowChecksum::default();
-    source.restart()?;
-    while let Some(block) = source.next_block()? {
-        checksum.add(block, 0..block.len());
-    }
-    Ok(checksum.finish())
 }
 
 /// The columns of a record by their names, whatever a part of it would choose.

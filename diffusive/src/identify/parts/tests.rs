@@ -5,7 +5,8 @@ use std::ops::Range;
 use dr_core::model::mesh;
 
 use super::identify_parts;
-use super::plan::{GramPlan, PartPlace};
+use super::place::PartPlace;
+use super::plan::GramPlan;
 use super::summed::SummedRows;
 use crate::identify::record::{Block, RecordTable, Selection, read_all};
 use crate::identify::{Constraints, DriftGiven, DriftKind, IdentifyOptions, InitialState, Signs, identify};

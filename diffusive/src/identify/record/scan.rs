@@ -24,6 +24,7 @@ pub(super) struct RunGrid {
 pub(super) struct Scan {
     pub rows: u64,
     pub segments: u64,
+    pub longest: u64,
     pub period_s: f64,
     pub first_s: f64,
     pub last_s: f64,
@@ -88,7 +89,8 @@ impl Scan {
             ));
         }
         notes.extend(remarks(files, roles, tally, period_s));
-        Ok(Self { rows: tally.rows, segments: tally.segments, period_s, first_s, last_s, grids, has_jitter, notes })
+        let Tally { rows, segments, longest, .. } = *tally;
+        Ok(Self { rows, segments, longest, period_s, first_s, last_s, grids, has_jitter, notes })
     }
 }
 

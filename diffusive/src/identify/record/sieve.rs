@@ -37,6 +37,9 @@ pub(super) struct Piece {
 pub(super) struct Tally {
     pub rows: u64,
     pub segments: u64,
+    /// Rows of the segment that is being read, and of the longest.
+    segment_rows: u64,
+    pub longest: u64,
     /// Gaps in time, and the periods in them.
     pub gaps: u64,
     pub lost: u64,
@@ -115,11 +118,16 @@ impl Sieve {
                 _ => {
                     let is_first = self.tally.segments == 0;
                     let begins_segment = self.is_broken && !is_first;
-                    self.tally.segments += u64::from(begins_segment || is_first);
+                    if begins_segment || is_first {
+                        self.tally.segments += 1;
+                        self.tally.segment_rows = 0;
+                    }
                     pieces.push(Piece { rows: row..row + 1, begins_segment, run: place.run, n: place.n });
                 }
             }
             self.is_broken = false;
+            self.tally.segment_rows += 1;
+            self.tally.longest = self.tally.longest.max(self.tally.segment_rows);
         }
         Ok(pieces)
     }

@@ -57,6 +57,8 @@ pub struct Survey {
     pub rows: u64,
     /// Stretches of rows that follow each other in time: one more than there are gaps.
     pub segments: u64,
+    /// Rows of the longest of them.
+    pub longest_rows: u64,
     /// When the first row was taken, in RFC 3339, if the record tells.
     pub start_utc: Option<String>,
     /// Time of the first row.
@@ -76,6 +78,12 @@ impl Survey {
     /// How long the record is, without its gaps.
     pub fn duration_s(&self) -> f64 {
         self.rows as f64 * self.sample_period_s
+    }
+
+    /// How long its longest segment is. Each begins with anything, so that nothing slower shows in
+    /// a record, however many there are.
+    pub fn longest_s(&self) -> f64 {
+        self.longest_rows as f64 * self.sample_period_s
     }
 
     /// Banks of relaxations that inputs drive in so many classes, and measured surroundings.

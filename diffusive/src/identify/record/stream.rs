@@ -60,8 +60,9 @@ impl RecordStream {
         let Some(path) = paths.first() else {
             return Err(RecordError::content(Path::new("the record"), "has no file: name one at least"));
         };
+        let whole: Vec<PathBuf> = paths.iter().map(|path| recording::whole_path(path)).collect();
         for (number, path) in paths.iter().enumerate() {
-            if paths[..number].contains(path) {
+            if whole[..number].contains(&whole[number]) {
                 return Err(RecordError::content(path, "is named twice: its rows would count as two measurements"));
             }
         }
@@ -88,6 +89,7 @@ impl RecordStream {
             gas_column: roles.gas.as_ref().map(name),
             rows: scan.rows,
             segments: scan.segments,
+            longest_rows: scan.longest,
             start_utc: if is_dated { Some(utc::rfc3339(scan.first_s)) } else { stated_utc }
                 .filter(|utc| !utc.is_empty()),
             first_time_s: scan.first_s,

@@ -66,6 +66,7 @@ impl RecordTable {
             gas_column: None,
             rows: rows as u64,
             segments: 1,
+            longest_rows: rows as u64,
             start_utc: None,
             first_time_s: 0.0,
             last_time_s: time_s(rows - 1),
@@ -107,6 +108,7 @@ impl RecordTable {
             event_column: None,
             gas_column: None,
             rows: rows.len() as u64,
+            longest_rows: survey.longest_rows.min(rows.len() as u64),
             first_time_s: time_s(rows.start),
             last_time_s: time_s(rows.end.max(1) - 1),
             notes: Vec::new(),
@@ -142,8 +144,8 @@ impl RecordTable {
         Ok(self)
     }
 
-    /// Begins a segment with each of these rows, ascending and behind the first: nothing is known of
-    /// the time before them.
+    /// Begins a segment with each of these rows, ascending and behind the first: nothing is known
+    /// of the time before them.
     #[must_use]
     pub fn with_segments(mut self, first_rows: &[usize]) -> Self {
         let (mut blocks, mut row) = (Vec::new(), 0);
@@ -161,6 +163,9 @@ impl RecordTable {
         }
         self.blocks = blocks;
         self.survey.segments = 1 + first_rows.len() as u64;
+        let borders: Vec<usize> = [0].into_iter().chain(first_rows.iter().copied()).chain([row]).collect();
+        let longest = borders.windows(2).map(|pair| pair[1] - pair[0]).max();
+        self.survey.longest_rows = longest.unwrap_or(row) as u64;
         self
     }
 

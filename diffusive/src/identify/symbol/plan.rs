@@ -54,7 +54,7 @@ fn meshes_besides(
     options: &IdentifyOptions,
     ordinary: &[CandidateMesh],
 ) -> Vec<CandidateMesh> {
-    let (duration_s, period_s, given) = (survey.duration_s(), survey.sample_period_s, &options.constraints);
+    let (duration_s, period_s, given) = (survey.longest_s(), survey.sample_period_s, &options.constraints);
     let is_plain = options.drift == DriftGiven::None || options.no_drift_for(classes).is_some();
     let mut meshes = Vec::new();
     if !is_plain {
@@ -80,7 +80,7 @@ fn parts(inputs: usize, classes: usize, kind: PairKind) -> Vec<BankPart> {
 /// If the rows are too few, or the unknowns too many.
 fn meshes(survey: &Survey, classes: usize, given: &Constraints) -> Result<Vec<CandidateMesh>, RecordError> {
     let (rows, banks) = (survey.rows, survey.driven_banks(classes));
-    let mut meshes = candidates::meshes(survey.duration_s(), survey.sample_period_s, classes, given);
+    let mut meshes = candidates::meshes(survey.longest_s(), survey.sample_period_s, classes, given);
     let unknowns = |mesh: &CandidateMesh| mesh.rates_rad_s.len() * (banks + 1) + 1;
     let fewest = meshes.iter().map(unknowns).min().unwrap_or(0);
     support::solvable(survey, fewest)?;
@@ -195,7 +195,7 @@ impl SymbolPlan {
                 format_args!("column `{column}` is {} in all rows: surroundings that never move are in the offset; leave out --ambient", gas.least),
             )?;
         }
-        let duration_s = self.survey.duration_s();
+        let duration_s = self.survey.longest_s();
         let classes = self.classes.len() as u32;
         let (thesis_rad_s, _) = thesis_edges_rad_s(duration_s, self.survey.sample_period_s, classes);
         // All meshes have the same banks.
@@ -242,5 +242,5 @@ fn cross_rates(given: &Constraints, meshes: &[CandidateMesh], survey: &Survey, c
     let edges = given.edges_rad_s.or(Some((own[0], own[own.len() - 1])));
     let order = given.order.or(Some(own.len()));
     let given = Constraints { order, edges_rad_s: edges, ..Constraints::default() };
-    candidates::meshes(survey.duration_s(), survey.sample_period_s, classes, &given).remove(0).rates_rad_s
+    candidates::meshes(survey.longest_s(), survey.sample_period_s, classes, &given).remove(0).rates_rad_s
 }

@@ -1,6 +1,7 @@
 //! Records with gaps, missing values, jitter, and of several files.
 
 use super::*;
+use crate::identify::{IdentifyOptions, identify};
 
 /// Times of 100 rows a second apart, in three columns; `row` may change each.
 fn table(row: impl Fn(usize) -> Option<[String; 3]>) -> String {
@@ -218,4 +219,49 @@ fn a_record_that_is_too_long_to_be_kept_reads_as_one_that_is() {
     }
     let (survey, begins, _) = of(&text);
     assert_eq!((survey.rows, begins), (1_599_999, vec![0.0, 400_000.0]));
+}
+
+/// A body of 2 s and 40 s, heated by chance; every file begins with stored heat, and is eight times
+/// as long as its slower time constant.
+#[test]
+fn many_recordings_tell_a_gain_in_any_order() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut seed = 9_u64;
+    let mut random = move || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    };
+    let mut file = |number: usize| {
+        let (mut fast, mut slow, mut power_w) = (0.0, random(), 0.0);
+        let mut text = "time_s,power_w,temperature_c\n".to_owned();
+        for row in 0..640 + 40 * number {
+            if row % 8 == 0 {
+                power_w = if random() > 0.0 { 1.0 } else { 0.0 };
+            }
+            let temperature_c = 20.0 + 10.0 * random() * 1e-3 + 12.0 * fast + 30.0 * slow;
+            text += &format!("{},{power_w},{temperature_c:.4}\n", 0.5 * row as f64);
+            fast += (1.0 - (-0.5_f64 / 2.0).exp()) * (power_w - fast);
+            slow += (1.0 - (-0.5_f64 / 40.0).exp()) * (power_w - slow);
+        }
+        let path = folder.path().join(format!("{number}.csv"));
+        std::fs::write(&path, text).unwrap();
+        path
+    };
+    let mut files: Vec<PathBuf> = (0..12).map(&mut file).collect();
+    let gain = |files: &[PathBuf]| {
+        let mut stream = RecordStream::open_all(files, &Selection::default()).unwrap();
+        let model = identify(&mut stream, &IdentifyOptions::default(), &mut |_, _, _| {}, &mut |_| {}).unwrap();
+        let class = model.pairs[0].classes.values().next().unwrap().clone();
+        println!("{} files: {} ± {} K/W", files.len(), class.steady_gain_k_per_w, class.se_steady_gain_k_per_w);
+        (class.steady_gain_k_per_w, class.se_steady_gain_k_per_w)
+    };
+    for turn in 0..4 {
+        files.rotate_left(5);
+        if turn % 2 == 1 {
+            files.reverse();
+        }
+        let (of_all, se) = gain(&files);
+        // With rates that no file is long enough for, this was wrong by tens of percent.
+        assert!((of_all - 42.0).abs() < 4.0 * se && se < 0.01 * of_all, "{of_all} ± {se}");
+    }
 }
