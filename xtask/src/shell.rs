@@ -26,6 +26,14 @@ pub fn program(name: impl AsRef<OsStr>) -> Command {
 pub fn cargo() -> Command {
     let mut command = program(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
+    // What cargo has said of this crate: build scripts that look at it would take a job for another
+    // than the same by hand, and build anew.
+    let said = std::env::vars_os().map(|(name, _)| name);
+    for name in
+        said.filter(|name| ["CARGO_PKG_", "CARGO_MANIFEST_"].iter().any(|of| name.to_string_lossy().starts_with(of)))
+    {
+        command.env_remove(name);
+    }
     command
 }
 
