@@ -83,7 +83,7 @@ pub fn named_by(path: &Path) -> Result<Vec<PathBuf>, RecordingError> {
     if named.is_empty() { Err(RecordingError::new(path, "no file has such a name")) } else { Ok(named) }
 }
 
-/// A path by which two names of the same file or object can be told.
+/// The same path for two names of the same file or object.
 pub fn whole_path(path: &Path) -> PathBuf {
     if object::is_object(path) {
         return object::whole_name(path);

@@ -66,7 +66,7 @@ fn sums_of_parts_make_the_model_of_the_whole_in_any_order_and_as_a_tree() {
     }
 }
 
-/// Three recordings of one head, of which two are of the same times; the second was cut, and the
+/// Three recordings of one head, two of them of the same times; the second was cut, and the
 /// third has a gap.
 #[test]
 fn sums_of_recordings_of_one_head_make_the_model_of_them_all() {

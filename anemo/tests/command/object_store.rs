@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use crate::process::{stdout, words};
 
-const PATIENCE: Duration = Duration::from_secs(60);
+const TIMEOUT: Duration = Duration::from_secs(60);
 
 /// The folder of Python's programs, or a skip that is said.
 fn programs() -> Option<PathBuf> {
@@ -50,7 +50,7 @@ impl Store {
         let mut command = command(&programs, &port.to_string());
         let server = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(log).spawn().unwrap();
         let store = Self { server, programs, folder, port };
-        let deadline = Instant::now() + PATIENCE;
+        let deadline = Instant::now() + TIMEOUT;
         while !store.python("s3.create_bucket(Bucket='winds')").status.success() {
             assert!(Instant::now() < deadline, "the server does not answer: {}", store.log());
         }
@@ -253,5 +253,5 @@ fn a_store_that_is_none_is_said_in_time() {
         let said = String::from_utf8(output.stderr).unwrap();
         assert!(output.status.code() == Some(2) && said.contains(sentence), "{said}");
     }
-    assert!(begin.elapsed() < PATIENCE);
+    assert!(begin.elapsed() < TIMEOUT);
 }

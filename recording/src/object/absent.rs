@@ -34,5 +34,5 @@ pub fn put(_: &Path, _: &Path) -> io::Result<()> {
     refuse()
 }
 
-/// Lets go of fetched objects, of which there are none.
+/// There are no fetched objects to let go.
 pub fn forget() {}

@@ -15,12 +15,12 @@ use tokio::runtime::{Builder, Runtime};
 
 use super::{SCHEME, whole_name};
 
-/// A request is sent so many times at most, and no more after so long.
+/// A request that fails is sent so many times more at most, and no more after so long.
 const RETRIES: usize = 4;
-const PATIENCE: Duration = Duration::from_secs(20);
+const RETRY_TIMEOUT: Duration = Duration::from_secs(20);
 
 /// So long may a store be silent.
-const SILENCE: Duration = Duration::from_secs(30);
+const READ_TIMEOUT: Duration = Duration::from_secs(30);
 
 static RUNTIME: LazyLock<io::Result<Runtime>> = LazyLock::new(|| Builder::new_current_thread().enable_all().build());
 static STORES: LazyLock<Mutex<HashMap<String, Arc<AmazonS3>>>> = LazyLock::new(Mutex::default);
@@ -56,7 +56,7 @@ fn store_of(bucket: &str) -> io::Result<Arc<AmazonS3>> {
     // refused, and changes nothing.
     let _ = rustls::crypto::ring::default_provider().install_default();
     // A slow line is none that is broken: silence is limited, not the whole of an answer.
-    let mut client = ClientOptions::new().with_timeout_disabled().with_read_timeout(SILENCE);
+    let mut client = ClientOptions::new().with_timeout_disabled().with_read_timeout(READ_TIMEOUT);
     for variable in ["AWS_ENDPOINT_URL", "AWS_ENDPOINT"] {
         let Ok(endpoint) = std::env::var(variable) else { continue };
         let scheme = Url::parse(&endpoint).ok().filter(Url::has_host).map(|url| url.scheme().to_owned());
@@ -71,7 +71,7 @@ fn store_of(bucket: &str) -> io::Result<Arc<AmazonS3>> {
             }
         }
     }
-    let retry = RetryConfig { max_retries: RETRIES, retry_timeout: PATIENCE, ..RetryConfig::default() };
+    let retry = RetryConfig { max_retries: RETRIES, retry_timeout: RETRY_TIMEOUT, ..RetryConfig::default() };
     let builder = AmazonS3Builder::from_env().with_client_options(client).with_retry(retry);
     let store = Arc::new(builder.with_bucket_name(bucket).build().map_err(unfit)?);
     stores.insert(bucket.to_owned(), Arc::clone(&store));

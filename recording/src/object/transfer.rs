@@ -10,7 +10,7 @@ use object_store::path::Path as Key;
 use object_store::{GetOptions, GetRange, ObjectMeta, ObjectStore, ObjectStoreExt as _, PutPayload};
 
 use super::store::{self, ObjectPlace, wait};
-use super::{FetchProgress, ON_FETCH, SCHEME, is_object};
+use super::{FetchProgress, ON_FETCH, SCHEME};
 use crate::interrupt::is_interrupted;
 use crate::segment_names::number_of_segment;
 
@@ -162,7 +162,6 @@ fn beside(path: &Path, key: &Key) -> PathBuf {
 /// # Errors
 /// If its bucket is none, or the store refuses.
 pub fn check_writable(path: &Path) -> io::Result<()> {
-    debug_assert!(is_object(path), "a file is no object");
     let ObjectPlace { store, key } = ObjectPlace::of(path)?;
     // Every object may be missing, but no bucket: and a list says so.
     wait(store.list_with_delimiter(Some(&key))).map(drop)

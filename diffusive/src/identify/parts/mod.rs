@@ -4,7 +4,7 @@
 //! | file | holds |
 //! |---|---|
 //! | `plan` | what parts must know of the whole: rows, segments, meshes, dead time, where each part stands |
-//! | `follow` | states over the whole, of which parts take theirs |
+//! | `follow` | states over the whole record, from which parts take theirs |
 //! | `designs` | what is summed of a segment |
 //! | `lags` | products of inputs and outputs with those a few rows later |
 //! | `segment_rows` | the sums of some rows of a segment, to the last digit, and those of neighbours as one |

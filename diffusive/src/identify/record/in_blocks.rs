@@ -37,8 +37,11 @@ impl RecordSource for InBlocks<'_> {
             }
         }
         let all = std::mem::take(&mut self.waiting);
-        let rows = all.len().min(BLOCK);
-        (self.block, self.waiting) = (all.rows(0..rows), all.rows(rows..all.len()));
+        (self.block, self.waiting) = match all.len() > BLOCK {
+            true => (all.rows(0..BLOCK), all.rows(BLOCK..all.len())),
+            // A block of that length, as most sources have them, is handed on.
+            false => (all, Block::default()),
+        };
         Ok(Some(&self.block).filter(|block| !block.is_empty()))
     }
 
