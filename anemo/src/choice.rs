@@ -1,4 +1,4 @@
-//! Options whose value is one of a few words.
+//! Values of options: one of a few words, or a count.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
@@ -19,4 +19,10 @@ where
         let known = words.iter().find(|(word, ..)| *word == text);
         known.map(|(_, _, value)| value.clone()).ok_or_else(|| Failure::usage("no such word"))
     })
+}
+
+/// A count.
+pub fn at_least_one(text: &str) -> Result<usize, Failure> {
+    let count = text.parse().ok().filter(|&count: &usize| count > 0);
+    count.ok_or_else(|| Failure::usage(format!("`{text}` is no whole number of at least 1")))
 }

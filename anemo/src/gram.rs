@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use crate::identify::{ModelOptions, is_gram, named};
+use crate::identify::{is_gram, named};
+use crate::model_options::ModelOptions;
 use crate::output::Failure;
 use crate::progress::progress_bar;
 use diffusive::identify::parts::{GramError, GramFile, GramPlan, PartStarts, SummedRows, join_files};

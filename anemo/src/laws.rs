@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::identify::Columns;
+use crate::columns::Columns;
 use crate::output::Failure;
 use crate::picture::PictureArguments;
 use crate::progress::progress_bar;

@@ -7,6 +7,7 @@ use std::io::{ErrorKind, Write as _};
 
 use anemometry::head::Head;
 use anemometry::wind::replay;
+use diffusive::identify::record::RecordError;
 use host_sim::experiment::Experiment;
 use host_sim::run::RunError;
 use recording::RecordingReader;
@@ -63,6 +64,12 @@ impl From<RunError> for Failure {
             RunError::Refused(error) => Self::usage(error),
             error => Self::work(error),
         }
+    }
+}
+
+impl From<RecordError> for Failure {
+    fn from(error: RecordError) -> Self {
+        Self::work(error)
     }
 }
 

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::thread::available_parallelism;
 
+use crate::choice::at_least_one;
 use crate::output::Failure;
 use crate::program::own_program;
 use crate::progress::{on_interrupt, progress};
@@ -34,7 +35,7 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
     /// Runs at a time; by default one for every core, and one in a task of Slurm.
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = crate::identify::at_least_one)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = at_least_one)]
     jobs: Option<usize>,
     /// Do every n-th run only, as the k-th of n parts, and gather nothing.
     #[arg(long, value_name = "K/N", conflicts_with_all = ["gather", "slurm"])]
@@ -49,7 +50,7 @@ pub struct Arguments {
     #[arg(long)]
     slurm: bool,
     /// Number of tasks of the job array.
-    #[arg(long, value_name = "N", default_value = "16", requires = "slurm", allow_negative_numbers = true, value_parser = crate::identify::at_least_one)]
+    #[arg(long, value_name = "N", default_value = "16", requires = "slurm", allow_negative_numbers = true, value_parser = at_least_one)]
     tasks: usize,
     /// Slurm's partition.
     #[arg(long, value_name = "NAME", requires = "slurm")]
@@ -65,11 +66,8 @@ pub struct Arguments {
 /// `refusal` says what is wrong with a command line, the words behind `anemo`.
 pub fn execute(arguments: &Arguments, refusal: impl Fn(&[String]) -> Option<String>) -> Result<(), Failure> {
     let program = own_program()?;
-    let plan = Plan::read(&arguments.file).map_err(failure)?.with_program(program.clone());
-    let wrong = plan.steps().find_map(refusal);
-    if let Some(sentence) = wrong {
-        return Err(Failure::in_file(&arguments.file, format!("`then`: {sentence}")));
-    }
+    let plan = Plan::read(&arguments.file).and_then(|plan| plan.with_program(program.clone(), refusal));
+    let plan = plan.map_err(failure)?;
     if arguments.dry_run {
         return print_runs(&plan, arguments);
     }
@@ -115,16 +113,13 @@ fn settle_shard(plan: &Plan, arguments: &Arguments, folder: &Path, interrupted: 
         let sentence = format!("interrupted: {complete} of {} runs are done and kept", places.len());
         return Err(Failure { code: 4, sentence });
     }
-    if complete < places.len() {
-        return Err(Failure::work(format!(
-            "{} of {} runs failed; --gather lists them",
-            places.len() - complete,
-            places.len()
-        )));
+    let (runs, failed) = (places.len(), places.len() - complete);
+    if failed > 0 {
+        return Err(Failure::work(format!("{failed} of {runs} runs failed; --gather lists them")));
     }
     match arguments.json {
-        true => crate::output::print_json(&serde_json::json!({ "runs": places.len(), "complete": complete })),
-        false => crate::output::print(&format!("{complete} of {} runs are complete\n", places.len())),
+        true => crate::output::print_json(&serde_json::json!({ "runs": runs, "complete": complete })),
+        false => crate::output::print(&format!("{complete} of {runs} runs are complete\n")),
     }
 }
 

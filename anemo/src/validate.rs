@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use crate::choice::choice;
+use crate::columns::Columns;
 use crate::fit_recorder::FitRecorder;
-use crate::identify::Columns;
 use crate::output::Failure;
 use crate::picture::PictureArguments;
 use diffusive::identify::record::{RecordSource as _, RecordStream, Selection};

@@ -104,12 +104,8 @@ pub fn perform(py: Python<'_>, words: Vec<(String, Argument<'_>)>, place: Option
         all.name(&format!("{option}="), &wanted, "the table");
         wanted
     });
-    let (flag, words) = (Arc::new(AtomicBool::new(false)), all.words.clone());
-    let work = {
-        let flag = Arc::clone(&flag);
-        move || anemo::in_process::perform(&words, &flag)
-    };
-    let (performed, signal) = waited_for(py, &flag, work)?;
+    let words = all.words.clone();
+    let (performed, signal) = waited_for(py, move |interrupted| anemo::in_process::perform(&words, interrupted))?;
     let Performed { heard, outcome } = performed;
     let readable = |text: &str| all.readable(text);
     let table = wanted.and_then(InMemory::take).map(|written| PyTable::of(ArrowTable::of_columns(written)));
@@ -121,11 +117,11 @@ pub fn perform(py: Python<'_>, words: Vec<(String, Argument<'_>)>, place: Option
     Ok((heard.json.map(|json| readable(&json)), readable(&heard.printed), warnings, code, sentence, table, signal))
 }
 
-/// Does work on a thread, with a pool of its own, so that no thread is left once it is done.
+/// Does work on a thread, with a pool of its own, so that no thread is left once it is done. The
+/// flag that the work is given says that it shall end.
 pub fn waited_for<T: Send + 'static>(
     py: Python<'_>,
-    interrupted: &AtomicBool,
-    work: impl FnOnce() -> T + Send + 'static,
+    work: impl FnOnce(&Arc<AtomicBool>) -> T + Send + 'static,
 ) -> PyResult<(T, Option<PyErr>)> {
     if FORKED_AT_WORK.load(Ordering::Relaxed) {
         let sentence = "this process was forked while another thread was at work in anemo, whose locks it has kept: \
@@ -133,10 +129,12 @@ pub fn waited_for<T: Send + 'static>(
         return Err(error(py, 1, &sentence));
     }
     let (sender, mut receiver) = mpsc::channel();
+    let interrupted = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&interrupted);
     AT_WORK.fetch_add(1, Ordering::SeqCst);
     std::thread::spawn(move || {
         let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK_BYTES).build();
-        let done = pool.map(|pool| pool.install(work));
+        let done = pool.map(|pool| pool.install(|| work(&flag)));
         AT_WORK.fetch_sub(1, Ordering::SeqCst);
         // Nobody listens where the work was left alone.
         let _ = sender.send(done);

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use ::sweep::{Plan, RunFailure};
 use pyo3::prelude::*;
@@ -21,11 +20,8 @@ impl Sweep {
     /// Reads a sweep file; steps are run by `program`.
     #[new]
     fn new(py: Python<'_>, file: PathBuf, program: PathBuf) -> PyResult<Self> {
-        let plan = py.detach(|| Plan::read(&file)).map_err(|reason| error(py, 2, &reason))?;
-        if let Some(sentence) = plan.steps().find_map(anemo::refusal) {
-            return Err(error(py, 2, &format!("{}: `then`: {sentence}", file.display())));
-        }
-        Ok(Self { plan: Arc::new(plan.with_program(program)) })
+        let plan = py.detach(|| Plan::read(&file)?.with_program(program, anemo::refusal));
+        Ok(Self { plan: Arc::new(plan.map_err(|reason| error(py, 2, &reason))?) })
     }
 
     /// The hash of every run; equal runs once.
@@ -36,9 +32,8 @@ impl Sweep {
 
     /// Does a run in a folder, unless it is complete; gives the sentence of its failure.
     fn run(&self, py: Python<'_>, hash: String, folder: PathBuf) -> PyResult<Option<String>> {
-        let (plan, interrupted) = (Arc::clone(&self.plan), Arc::new(AtomicBool::new(false)));
-        let flag = Arc::clone(&interrupted);
-        let (done, signal) = waited_for(py, &interrupted, move || plan.run_of(&hash, &folder, &flag))?;
+        let plan = Arc::clone(&self.plan);
+        let (done, signal) = waited_for(py, move |interrupted| plan.run_of(&hash, &folder, interrupted))?;
         match (done, signal) {
             (_, Some(signal)) => Err(signal),
             (Err(reason @ RunFailure::Unknown(_)), None) => Err(error(py, 1, &reason)),
@@ -48,10 +43,8 @@ impl Sweep {
 
     /// Does all that is missing, so many at a time.
     fn work(&self, py: Python<'_>, folder: PathBuf, jobs: usize) -> PyResult<()> {
-        let (plan, interrupted) = (Arc::clone(&self.plan), Arc::new(AtomicBool::new(false)));
-        let flag = Arc::clone(&interrupted);
-        let work = move || plan.work(&folder, None, jobs, &flag, &|_| ());
-        let (done, signal) = waited_for(py, &interrupted, work)?;
+        let plan = Arc::clone(&self.plan);
+        let (done, signal) = waited_for(py, move |interrupted| plan.work(&folder, None, jobs, interrupted, &|_| ()))?;
         signal.map_or_else(|| done.map(drop).map_err(|reason| error(py, 1, &reason)), Err)
     }
 

@@ -90,9 +90,24 @@ impl Plan {
     }
 
     /// The same, whose steps are run by this program in place of the `anemo` on the path.
-    #[must_use]
-    pub fn with_program(self, program: PathBuf) -> Self {
-        Self { program, ..self }
+    ///
+    /// # Errors
+    /// If `refusal`, which is given the words behind `anemo`, has a sentence on one of the steps.
+    pub fn with_program(
+        self,
+        program: PathBuf,
+        refusal: impl Fn(&[String]) -> Option<String>,
+    ) -> Result<Self, SweepError> {
+        for (place, step) in self.file.then.iter().enumerate() {
+            if let Some(sentence) = refusal(&step.words) {
+                return Err(self
+                    .file
+                    .source
+                    .refuse(&format!("then[{place}]"), format!("is refused: {sentence}"))
+                    .into());
+            }
+        }
+        Ok(Self { program, ..self })
     }
 
     /// What the sweep is called.
@@ -103,11 +118,6 @@ impl Plan {
     /// The varied keys, as the sweep file has them.
     pub fn keys(&self) -> impl Iterator<Item = &str> {
         self.file.keys.iter().map(|key| key.name.as_str())
-    }
-
-    /// The commands that follow every run: the words behind `anemo`.
-    pub fn steps(&self) -> impl Iterator<Item = &[String]> {
-        self.file.then.iter().map(|step| &step.words[..])
     }
 
     /// All runs in their order; equal ones have the same hash, and are done once.

@@ -36,11 +36,21 @@ pub fn run(options: &PythonOptions) -> Result<()> {
     }
     pytest(&programs, &["python", "--ignore", GALLERY])?;
     if options.gallery {
-        let programs = install::python_environment("gallery", GALLERY_REQUIREMENTS)?;
+        let programs = gallery()?;
         install_wheel(&programs, &wheel)?;
         pytest(&programs, &[GALLERY])?;
     }
     Ok(())
+}
+
+/// Brings what the pages, the tests and the gallery use.
+pub fn prepare() -> Result<()> {
+    install::python()?;
+    gallery().map(drop)
+}
+
+fn gallery() -> Result<PathBuf> {
+    install::python_environment("gallery", GALLERY_REQUIREMENTS)
 }
 
 fn pytest(programs: &Path, tests: &[&str]) -> Result<()> {
