@@ -22,6 +22,8 @@ use super::prior::Prior;
 /// them beyond each edge).
 const GUARD: f64 = 7.197;
 const SMOOTH_PER_DECADE: f64 = 7.0 / 3.0;
+/// Rates a decade that are tried, and whether they are so many that they must earn it.
+const PER_DECADE: [(f64, bool); 5] = [(1.5, false), (2.0, false), (3.0, false), (5.0, true), (7.0, true)];
 /// More rates than that tell nothing apart and cost time.
 pub const MOST_RATES: usize = 40;
 
@@ -85,20 +87,16 @@ pub fn meshes(duration_s: f64, sample_period_s: f64, classes: usize, given: &Con
         part: MeshPart::Ordinary,
         poles_rad_s: Vec::new(),
     };
+    let by_decades = |first: f64, last: f64| {
+        PER_DECADE
+            .map(|(per_decade, fine)| CandidateMesh { fine, ..single(first, last, order_for(first, last, per_decade)) })
+    };
     match (given.order, given.edges_rad_s) {
         (Some(order), Some((first, last))) => vec![single(first, last, order)],
-        (None, Some((first, last))) => {
-            [1.5, 2.0, 3.0].map(|per_decade| single(first, last, order_for(first, last, per_decade))).to_vec()
-        }
+        (None, Some((first, last))) => by_decades(first, last).to_vec(),
         (Some(order), None) => [1.0, 0.5].map(|factor| single(factor * first, last, order)).to_vec(),
         (None, None) => {
-            let mut meshes = Vec::new();
-            for factor in [1.0, 0.5] {
-                for (per_decade, fine) in [(1.5, false), (2.0, false), (3.0, false), (5.0, true), (7.0, true)] {
-                    let order = order_for(factor * first, last, per_decade);
-                    meshes.push(CandidateMesh { fine, ..single(factor * first, last, order) });
-                }
-            }
+            let mut meshes = [1.0, 0.5].map(|factor| by_decades(factor * first, last)).concat();
             let slow = 0.3 * first;
             let (low, high) = (first / GUARD, last * GUARD);
             meshes.push(CandidateMesh {
@@ -235,6 +233,15 @@ mod tests {
         let meshes = meshes(1000.0, 0.1, 1, &given);
         assert_eq!(meshes.len(), 1);
         assert_eq!((meshes[0].rates_rad_s.len(), meshes[0].rates_rad_s[0], meshes[0].rates_rad_s[7]), (8, 0.1, 10.0));
+    }
+
+    #[test]
+    fn between_edges_that_are_given_stand_few_rates_and_many() {
+        let given = Constraints { edges_rad_s: Some((0.1, 10.0)), ..Constraints::default() };
+        let meshes = meshes(1000.0, 0.1, 1, &given);
+        let counted: Vec<_> = meshes.iter().map(|mesh| (mesh.rates_rad_s.len(), mesh.fine)).collect();
+        assert_eq!(counted, [(4, false), (5, false), (7, false), (11, true), (15, true)]);
+        assert!(meshes.iter().all(|mesh| mesh.rates_rad_s[0] == 0.1 && mesh.rates_rad_s.last() == Some(&10.0)));
     }
 
     #[test]

@@ -123,3 +123,29 @@ fn the_prior_that_is_chosen_leaves_the_standard_errors_true() {
     covers("prior chosen, beginning given", &coverage(None, told));
     covers("prior and beginning chosen", &coverage(None, |_| None));
 }
+
+/// Rates between those of any mesh, noise so small that too few rates show.
+#[test]
+fn edges_that_are_given_get_as_many_rates_as_the_record_shows() {
+    for seed in [1, 2, 3] {
+        let rates_rad_s: Vec<f64> = (0..9).map(|k| 0.0131 * 2.3_f64.powi(k)).collect();
+        let resistances_k_per_w = (0..9).map(|k| 10.0 / f64::from(1 + k)).collect();
+        let poles = Poles::Given { rates_rad_s, resistances_k_per_w };
+        let noise = Noise::white(1e-4);
+        let record = Foster { poles, rows: 20_000, sample_period_s: 0.1, noise, seed, ..Foster::default() }.simulate();
+        let mut table = RecordTable::new(
+            0.1,
+            vec![("power".into(), record.input_w)],
+            vec![("temperature".into(), record.output_c)],
+        )
+        .unwrap();
+        let constraints = Constraints { edges_rad_s: Some((0.005, 31.0)), ..Constraints::default() };
+        let options = IdentifyOptions { constraints, ..IdentifyOptions::default() };
+        let model = identify(&mut table, &options, &mut |_, _, _| {}, &mut |_| {}).unwrap();
+        let class = &model.pairs[0].classes["all"];
+        let off = class.steady_gain_k_per_w - record.steady_gain_k_per_w;
+        println!("{} rates, gain off by {off} ± {}", class.r_k_per_w.len(), class.se_steady_gain_k_per_w);
+        assert!(off.abs() < 4.0 * class.se_steady_gain_k_per_w, "{off} ± {}", class.se_steady_gain_k_per_w);
+        assert!(class.se_steady_gain_k_per_w < 0.01 * record.steady_gain_k_per_w);
+    }
+}
