@@ -73,11 +73,12 @@ fn meter(misbehaviour: Option<Misbehaviour>, experiment: &Path) -> PretendedMete
 fn a_meter_runs_the_same_experiment_and_is_left_at_zero() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    write(folder, &text(0.2, 6.0, "{ hold = { shift_v = 0.05 } }"));
+    // Of a second each: on a busy machine shorter ones are late, which ends a run.
+    write(folder, &text(1.0, 10.0, "{ hold = { shift_v = 0.05 } }"));
     let meter = meter(None, &folder.join("experiment.toml"));
     let on = format!("scpi:{}", meter.address());
     let run = stdout(&anemo(folder, &["run", "experiment.toml", "--on", &on, "-o", "meter.csv"]));
-    assert!(run.contains("29 symbols"), "{run}");
+    assert!(run.contains("9 symbols, 9 s"), "{run}");
     let rows = std::fs::read_to_string(folder.join("meter.csv")).unwrap();
     assert!(rows.contains("symbol_mems_quick") && rows.contains("utc"), "{rows}");
     let history = meter.bias_history();
@@ -89,7 +90,7 @@ fn a_meter_runs_the_same_experiment_and_is_left_at_zero() {
 fn a_meter_that_fails_ends_the_run_and_what_was_recorded_is_kept() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    write(folder, &text(0.2, 8.0, "{ symbol = 1 }"));
+    write(folder, &text(0.4, 16.0, "{ symbol = 1 }"));
     let garbage = Misbehaviour { at: 120, is_lasting: false, kind: MisbehaviourKind::Garbage };
     let meter = meter(Some(garbage), &folder.join("experiment.toml"));
     let on = format!("scpi:{}", meter.address());

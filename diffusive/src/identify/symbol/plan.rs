@@ -82,8 +82,8 @@ fn meshes(survey: &Survey, classes: usize, given: &Constraints) -> Result<Vec<Ca
     let (rows, banks) = (survey.rows, survey.driven_banks(classes));
     let mut meshes = candidates::meshes(survey.longest_s(), survey.sample_period_s, classes, given);
     if survey.segments > 1 && given.edges_rad_s.is_none() {
-        // Slower ones win by chance: what a segment began with hides them.
-        meshes.retain(|mesh| mesh.factor > 0.99);
+        // Those far below the thesis' edge win by chance: what a segment began with hides them.
+        meshes.retain(|mesh| mesh.factor > 0.49);
     }
     let unknowns = |mesh: &CandidateMesh| mesh.rates_rad_s.len() * (banks + 1) + 1;
     let fewest = meshes.iter().map(unknowns).min().unwrap_or(0);
