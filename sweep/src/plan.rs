@@ -100,11 +100,8 @@ impl Plan {
     ) -> Result<Self, SweepError> {
         for (place, step) in self.file.then.iter().enumerate() {
             if let Some(sentence) = refusal(&step.words) {
-                return Err(self
-                    .file
-                    .source
-                    .refuse(&format!("then[{place}]"), format!("is refused: {sentence}"))
-                    .into());
+                let refused = self.file.source.refuse(&format!("then[{place}]"), format!("is refused: {sentence}"));
+                return Err(refused.into());
             }
         }
         Ok(Self { program, ..self })

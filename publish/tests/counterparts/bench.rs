@@ -146,12 +146,6 @@ impl Run {
         self.sentences.lock().expect("no panic").iter().any(|sentence| sentence.contains(part))
     }
 
-    /// What was reported, but that rows were missed, as they may be on a busy machine.
-    pub fn complaints(&self) -> Vec<String> {
-        let sentences = self.sentences.lock().expect("no panic");
-        sentences.iter().filter(|sentence| !sentence.contains("misses rows")).cloned().collect()
-    }
-
     /// Ends it, and gives the outputs that did not say good-bye.
     pub fn end(mut self) -> Vec<String> {
         self.is_over.store(true, Ordering::Relaxed);

@@ -41,7 +41,7 @@ fn influx_keeps_numbers_texts_and_events() -> Tested {
     let events = query("SELECT text FROM anemo_event LIMIT 1")?;
     assert!(events.contains("mark: door \\\"opened\\\" x=1"), "{events}");
     // A busy machine may be late, and rows are missed then; nothing is refused.
-    assert!(!posted.has_said("answers with status"), "{:?}", posted.complaints());
+    assert!(!posted.has_said("answers with status"), "{:?}", posted.sentences);
     assert!(posted.end().is_empty());
 
     query("DROP MEASUREMENT anemo")?;

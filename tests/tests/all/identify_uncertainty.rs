@@ -5,11 +5,12 @@
 //! those.
 
 use anemo_tests::records::excitation::fraction;
-use anemo_tests::records::foster::{Foster, Poles, Start};
+use anemo_tests::records::foster::{Foster, FosterRecord, Poles, Start};
 use anemo_tests::records::{Noise, random};
 use diffusive::identify::record::RecordTable;
 use diffusive::identify::{Constraints, InitialState};
 use diffusive::identify::{IdentifyOptions, identify};
+use diffusive::model::Model;
 use dr_core::model::mesh;
 
 /// Standard deviations on either side that hold 95 % of a normal distribution.
@@ -43,6 +44,18 @@ impl Coverage {
     }
 }
 
+/// The model of a record by what is given.
+fn identified(record: &FosterRecord, sample_period_s: f64, constraints: Constraints) -> Model {
+    let mut table = RecordTable::new(
+        sample_period_s,
+        vec![("power".into(), record.input_w.clone())],
+        vec![("temperature".into(), record.output_c.clone())],
+    )
+    .unwrap();
+    let options = IdentifyOptions { constraints, ..IdentifyOptions::default() };
+    identify(&mut table, &options, &mut |_, _, _| {}, &mut |_| {}).unwrap()
+}
+
 /// A thousand records of random networks whose rates are those of the mesh that is asked for.
 fn coverage(ridge: Option<f64>, told: impl Fn(Start) -> Option<InitialState>) -> Coverage {
     let mut coverage = Coverage::default();
@@ -66,12 +79,6 @@ fn coverage(ridge: Option<f64>, told: impl Fn(Start) -> Option<InitialState>) ->
             ..Foster::default()
         }
         .simulate();
-        let mut table = RecordTable::new(
-            sample_period_s,
-            vec![("power".into(), record.input_w)],
-            vec![("temperature".into(), record.output_c)],
-        )
-        .unwrap();
         let given = Constraints {
             order: Some(order),
             edges_rad_s: Some((first, 10.0)),
@@ -79,13 +86,7 @@ fn coverage(ridge: Option<f64>, told: impl Fn(Start) -> Option<InitialState>) ->
             initial_state: told(start),
             ..Constraints::default()
         };
-        let model = identify(
-            &mut table,
-            &IdentifyOptions { constraints: given, ..IdentifyOptions::default() },
-            &mut |_, _, _| {},
-            &mut |_| {},
-        )
-        .unwrap();
+        let model = identified(&record, sample_period_s, given);
         let class = &model.pairs[0].classes["all"];
         let is_held = |estimate: f64, se: f64, truth: f64| (estimate - truth).abs() <= Z * se;
         coverage.count(
@@ -133,15 +134,8 @@ fn edges_that_are_given_get_as_many_rates_as_the_record_shows() {
         let poles = Poles::Given { rates_rad_s, resistances_k_per_w };
         let noise = Noise::white(1e-4);
         let record = Foster { poles, rows: 20_000, sample_period_s: 0.1, noise, seed, ..Foster::default() }.simulate();
-        let mut table = RecordTable::new(
-            0.1,
-            vec![("power".into(), record.input_w)],
-            vec![("temperature".into(), record.output_c)],
-        )
-        .unwrap();
-        let constraints = Constraints { edges_rad_s: Some((0.005, 31.0)), ..Constraints::default() };
-        let options = IdentifyOptions { constraints, ..IdentifyOptions::default() };
-        let model = identify(&mut table, &options, &mut |_, _, _| {}, &mut |_| {}).unwrap();
+        let given = Constraints { edges_rad_s: Some((0.005, 31.0)), ..Constraints::default() };
+        let model = identified(&record, 0.1, given);
         let class = &model.pairs[0].classes["all"];
         let off = class.steady_gain_k_per_w - record.steady_gain_k_per_w;
         println!("{} rates, gain off by {off} ± {}", class.r_k_per_w.len(), class.se_steady_gain_k_per_w);
