@@ -35,8 +35,6 @@ pub fn perform(words: &[String], interrupted: &Arc<AtomicBool>) -> Performed {
             Err(defect) => resume_unwind(defect),
         })
     });
-    // Their files take room for as long as this process lives.
-    recording::object::forget();
     Performed { heard, outcome }
 }
 

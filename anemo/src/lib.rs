@@ -219,7 +219,6 @@ pub fn main_of(words: Vec<String>) -> u8 {
             };
         }
     };
-    progress::show_fetches();
     match execute(&arguments.command) {
         Ok(()) => 0,
         Err(failure) => {

@@ -57,19 +57,6 @@ pub(super) fn progress_bar() -> impl FnMut(&'static str, u64, u64) {
     }
 }
 
-/// Shows how much of an object is fetched, on a terminal.
-pub(super) fn show_fetches() {
-    recording::object::on_fetch(|name, bytes| {
-        let bar = progress(&format!("fetching {}", name.display()), Some(bytes));
-        Box::new(move |done| {
-            bar.set_position(done);
-            if done >= bytes {
-                bar.finish_and_clear();
-            }
-        })
-    });
-}
-
 /// What unwinds from work that shows its progress, once its caller wants its end.
 pub(super) struct Ended;
 

@@ -51,7 +51,6 @@
 //! | [`wind`] | columns of the wind estimate |
 //! | [`in_memory`] | tables and texts of another program in this process, read like files |
 //! | [`interrupt`] | a request to end the work of a thread |
-//! | [`object`] | objects of stores, read and written like files |
 //! | [`head_mounting`] | compass direction and tilt of a head: east, north and up |
 //! | [`utc`] | moments in UTC |
 //! | [`Temporary`] | a file that appears under its name when it is complete |
@@ -61,7 +60,7 @@
 //! | [`template`] | pages with numbers in them |
 //!
 //! The feature `parquet` (on by default) reads and writes Parquet; without it, a `.parquet` file is
-//! refused. The feature `object-store` reads and writes `s3://…`.
+//! refused.
 
 mod clock_fit;
 mod collector;
@@ -79,7 +78,6 @@ pub mod head_mounting;
 pub mod in_memory;
 pub mod interrupt;
 mod names;
-pub mod object;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod parts;

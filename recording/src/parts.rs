@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 use crate::csv_read::CsvReader;
 use crate::error::RecordingError;
 use crate::file_format::JOURNAL;
+use crate::regular;
 use crate::segment_names::number_of_segment;
-use crate::{object, regular};
 
 /// Metadata key: which of its recording's segments a file is, from 1.
 pub(crate) const SEGMENT_NUMBER: &str = "segment";
@@ -60,21 +60,14 @@ pub(crate) fn number_of(journal: &Path) -> Option<u32> {
     metadata.iter().find(|(key, _)| key == SEGMENT_NUMBER)?.1.parse().ok()
 }
 
-/// The files, folders or objects that a pattern such as `run/*.parquet` names, in the order of
-/// their names; whatever is no pattern names itself.
+/// Files and folders that a pattern such as `run/*.parquet` names, in the order of their names;
+/// another path names itself.
 ///
 /// # Errors
 /// If a pattern names nothing, or a folder of it cannot be read.
 pub fn named_by(path: &Path) -> Result<Vec<PathBuf>, RecordingError> {
     let pattern = path.to_str().filter(|text| text.contains(['*', '?', '[']) && !path.exists());
     let Some(pattern) = pattern else { return Ok(vec![path.to_owned()]) };
-    if object::is_object(path) {
-        if object::exists(path) {
-            return Ok(vec![path.to_owned()]);
-        }
-        let found = object::matching(path).map_err(|error| RecordingError::io(path, "read", error))?;
-        return if found.is_empty() { Err(RecordingError::new(path, "no object has such a name")) } else { Ok(found) };
-    }
     let matches = glob::glob(pattern).map_err(|error| RecordingError::new(path, format!("is no pattern: {error}")))?;
     let mut named = Vec::new();
     for found in matches {
@@ -83,11 +76,8 @@ pub fn named_by(path: &Path) -> Result<Vec<PathBuf>, RecordingError> {
     if named.is_empty() { Err(RecordingError::new(path, "no file has such a name")) } else { Ok(named) }
 }
 
-/// The same path for two names of the same file or object.
+/// The same path for two names of the same file.
 pub fn whole_path(path: &Path) -> PathBuf {
-    if object::is_object(path) {
-        return object::whole_name(path);
-    }
     path.canonicalize().unwrap_or_else(|_| path.to_owned())
 }
 
@@ -98,19 +88,13 @@ pub fn whole_path(path: &Path) -> PathBuf {
 pub(crate) fn files_of(path: &Path) -> Result<Vec<PathBuf>, RecordingError> {
     let mut files = Vec::new();
     for named in named_by(path)? {
-        let is_folder = if object::is_object(&named) { named.extension().is_none() } else { named.is_dir() };
-        files.extend(if is_folder { files_in(&named)? } else { vec![named] });
+        files.extend(if named.is_dir() { files_in(&named)? } else { vec![named] });
     }
     Ok(files)
 }
 
-/// The files of a folder, or what was copied as one into a store.
+/// The files of a folder.
 fn files_in(folder: &Path) -> Result<Vec<PathBuf>, RecordingError> {
-    if object::is_object(folder) {
-        let segments = object::segments_in(folder).map_err(|error| RecordingError::io(folder, "read", error))?;
-        let sentence = "has no objects segment-*.parquet below it: it holds no recording";
-        return if segments.is_empty() { Err(RecordingError::new(folder, sentence)) } else { Ok(segments) };
-    }
     let segments = segments_in(folder)?;
     let journal = journal_in(folder);
     // Between the end of a segment and the next journal, the old one repeats its rows.

@@ -5,19 +5,14 @@ use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::Path;
 
-use crate::object;
-
 /// Text files that the project reads have some kilobytes; what is larger is another file.
 const MOST_TEXT_BYTES: u64 = 64 << 20;
 
-/// Opens a regular file to be read, or an [`object`].
+/// Opens a regular file to be read.
 ///
 /// # Errors
 /// If there is none, or it is of another kind.
 pub fn open(path: &Path) -> io::Result<File> {
-    if object::is_object(path) {
-        return object::open(path);
-    }
     // Asked before it is opened, for which a pipe without a writer would wait.
     let metadata = path.metadata()?;
     if metadata.is_dir() {

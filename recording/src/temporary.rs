@@ -2,8 +2,7 @@
 //!
 //! It is written beside its destination, under a name that nobody else has, so that the last step
 //! is a rename within one file system. Dropped before [`Temporary::keep`], it is removed: a run
-//! that fails leaves nothing half-written, and an older file as it was. What will be an
-//! [`object`] is written where temporary files are, and sent when it is complete.
+//! that fails leaves nothing half-written, and an older file as it was.
 
 use std::ffi::OsStr;
 use std::fs::File;
@@ -11,8 +10,6 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use tempfile::TempPath;
-
-use crate::object;
 
 /// The file, until it has its name.
 #[derive(Debug)]
@@ -29,14 +26,6 @@ impl Temporary {
     /// If the destination has no folder, is one or a device, or cannot be written beside.
     pub fn create(destination: &Path) -> io::Result<(Self, File)> {
         let name = destination.file_name().ok_or_else(|| io::Error::other("the name of a file belongs here"))?;
-        if object::is_object(destination) {
-            if destination.as_os_str().as_encoded_bytes().ends_with(b"/") {
-                return Err(io::Error::other("it is a folder"));
-            }
-            object::check_writable(destination)?;
-            let (file, beside) = tempfile::Builder::new().prefix(&prefix(name)).tempfile()?.into_parts();
-            return Ok((Self { beside, destination: destination.to_owned() }, file));
-        }
         let folder = folder_of(destination);
         if !folder.is_dir() {
             return Err(io::Error::other(format!("there is no folder `{}`", folder.display())));
@@ -63,22 +52,11 @@ impl Temporary {
     /// Gives the file its name, once the disk has its content. The caller has flushed it.
     ///
     /// # Errors
-    /// If the disk does not take it; or the store, and then the file that was to be sent stays, and
-    /// is named.
+    /// If the disk does not take it.
     pub fn keep(self) -> io::Result<()> {
-        if object::is_object(&self.destination) {
-            return self.send();
-        }
         File::open(&self.beside)?.sync_all()?;
         self.beside.persist(&self.destination).map_err(|refused| refused.error)?;
         sync_name(&self.destination)
-    }
-
-    fn send(self) -> io::Result<()> {
-        object::put(&self.destination, &self.beside).or_else(|refused| {
-            let kept = self.beside.keep().map_err(|error| error.error)?;
-            Err(io::Error::other(format!("{refused}; it is kept as {}: copy it from there", kept.display())))
-        })
     }
 
     /// Removes what writers of this file have left that were killed; the caller knows that none is

@@ -25,7 +25,7 @@ pub fn run() -> Result<()> {
     shell::announce("clippy, host");
     // In the profiles that the tests build: what build scripts and macros need is built once.
     let mut cargo = shell::cargo();
-    cargo.args(["clippy", "--release", "--workspace", "--all-targets", "--features", "anemo/object-store"]);
+    cargo.args(["clippy", "--release", "--workspace", "--all-targets"]);
     shell::run(cargo.args(["--", "-D", "warnings"]))?;
     for board in FirmwareBoard::ALL {
         shell::announce(&format!("clippy, {}", board.feature()));

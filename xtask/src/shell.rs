@@ -37,11 +37,11 @@ pub fn cargo() -> Command {
     command
 }
 
-/// A job of cargo for the whole workspace, with every feature that the tests need, so that nothing
-/// is compiled twice. Without the Python package, which has Python's tests.
+/// A job of cargo for the whole workspace, so that nothing is compiled twice. Without the Python
+/// package, which has Python's tests.
 pub fn cargo_of_all(job: &str) -> Command {
     let mut cargo = cargo();
-    cargo.args([job, "--release", "--workspace", "--exclude", "anemo-python", "--features", "anemo/object-store"]);
+    cargo.args([job, "--release", "--workspace", "--exclude", "anemo-python"]);
     cargo
 }
 

@@ -14,8 +14,6 @@ mod laws;
 mod long_record;
 mod losses;
 mod many_elements;
-#[cfg(feature = "object-store")]
-mod object_store;
 mod process;
 mod report;
 mod steady_table;

@@ -21,7 +21,6 @@ use crate::error::RecordingError;
 use crate::file_format::check_name;
 use crate::format1::FORMAT;
 use crate::names::{TIME, UTC};
-use crate::object;
 use crate::parts::{SEGMENT_NUMBER, journal_in, journal_of};
 use crate::row::{RecordingLayout, RecordingRow};
 use decimated::RowDecimator;
@@ -102,11 +101,6 @@ impl RecordingWriter {
         metadata: &Metadata,
         options: &WriterOptions,
     ) -> Result<Self, RecordingError> {
-        if object::is_object(path) && (options.has_journal || is_folder(path)) {
-            let sentence =
-                "an object does not grow: write a .parquet or .csv file on a disk, and copy it when it is complete";
-            return Err(RecordingError::new(path, sentence));
-        }
         let segments = if is_folder(path) { Some(Segments::new(path, options, &names)?) } else { None };
         let columns = ColumnKind::of_each(names);
         let mut metadata = with_format(metadata);
