@@ -133,8 +133,6 @@ enum Subcommands {
     Gram(gram::Arguments),
     Merge(merge::Arguments),
     Head(head::Arguments),
-    #[command(hide = true)]
-    Network(head::identify::IdentifyArguments),
     Calibrate(calibrate::Arguments),
     Wind(wind::Arguments),
     Combine(combine::Arguments),
@@ -151,33 +149,19 @@ enum Subcommands {
     #[cfg(feature = "studies")]
     Thesis(thesis::Arguments),
     #[cfg(feature = "studies")]
-    #[command(alias = "study")]
     Benchmark(benchmark::Arguments),
 }
-
-/// Commands that had another name before version 0.2: they still run, and are answered with the new
-/// one.
-const RENAMED: [(&[&str], &str); 3] =
-    [(&["network"], "head identify"), (&["study"], "benchmark"), (&["settings", "forget"], "settings erase")];
 
 /// The definition of the command line.
 pub fn command() -> clap::Command {
     CommandLine::command()
 }
 
-/// Why a command line is refused, if it is; `words` are those behind `anemo`. A name from before
-/// version 0.2 is refused, too.
+/// Why a command line is refused, if it is; `words` are those behind `anemo`.
 pub fn refusal(words: &[String]) -> Option<String> {
     let parsed = CommandLine::try_parse_from(std::iter::once("anemo".to_owned()).chain(words.iter().cloned()));
     let refused = parsed.err().filter(clap::Error::use_stderr);
-    renamed(words).or_else(|| refused.map(|error| one_sentence(&error, words.first().map(String::as_str))))
-}
-
-/// What to say to a command by an older name.
-fn renamed(words: &[String]) -> Option<String> {
-    let (old, new) =
-        RENAMED.iter().find(|(old, _)| words.iter().zip(*old).filter(|(own, old)| own == old).count() == old.len())?;
-    Some(format!("`anemo {}` is now called `anemo {new}`", old.join(" ")))
+    refused.map(|error| one_sentence(&error, words.first().map(String::as_str)))
 }
 
 /// Does what the command line of this process asks for.
@@ -195,9 +179,6 @@ pub fn main() -> ExitCode {
 
 /// The same for these words, which are those behind `anemo`; gives the exit code.
 pub fn main_of(words: Vec<String>) -> u8 {
-    if let Some(sentence) = renamed(&words) {
-        output::complain(&sentence);
-    }
     let arguments = match CommandLine::try_parse_from(std::iter::once("anemo".to_owned()).chain(words.iter().cloned()))
     {
         Ok(arguments) => arguments,
@@ -246,7 +227,6 @@ fn execute(command: &Subcommands) -> Result<(), output::Failure> {
         Subcommands::Gram(arguments) => gram::execute(arguments),
         Subcommands::Merge(arguments) => merge::execute(arguments),
         Subcommands::Head(arguments) => head::execute(arguments),
-        Subcommands::Network(arguments) => head::identify::identify_network(arguments),
         Subcommands::Calibrate(arguments) => calibrate::execute(arguments),
         Subcommands::Wind(arguments) => wind::execute(arguments),
         Subcommands::Combine(arguments) => combine::execute(arguments),
@@ -319,19 +299,6 @@ mod tests {
         }
         assert!(refused.is_empty(), "{refused:#?}");
         assert!(examples > 50, "{examples}");
-    }
-
-    #[test]
-    fn an_older_name_is_answered_with_the_new_one() {
-        let said = |words: &[&str]| renamed(&words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>());
-        assert_eq!(said(&["study", "wind"]).unwrap(), "`anemo study` is now called `anemo benchmark`");
-        assert_eq!(
-            said(&["settings", "forget", "--all"]).unwrap(),
-            "`anemo settings forget` is now called `anemo settings erase`"
-        );
-        assert_eq!([said(&["settings", "show"]), said(&["settings"]), said(&[])], [None, None, None]);
-        let parsed = CommandLine::try_parse_from(["anemo", "settings", "forget", "--all", "--on", "qemu"]);
-        assert!(matches!(parsed.unwrap().command, Subcommands::Settings(_)));
     }
 
     #[test]

@@ -82,7 +82,6 @@ enum Task {
         board: BoardArguments,
     },
     /// Erase a key, or all of them: defaults hold then.
-    #[command(alias = "forget")]
     Erase {
         /// The key, as `show` prints it.
         #[arg(required_unless_present = "all", conflicts_with = "all")]

@@ -91,7 +91,7 @@ def write(name, ts, temperatures, powers, event=None):
     names = [f"die{k + 1}{i + 1}" for k in range(3) for i in range(4)] + ["boom"]
     keep = [0, 1, 2, 3, 12]
     with open(f"{sys.argv[1]}/{name}.csv", "w") as file:
-        head = ["time_s", "power_w:card1"] + [f"power_w:{names[i]}" for i in keep] + [f"temperature_c:{names[i]}" for i in keep]
+        head = ["time_s", "power_w_card1"] + [f"power_w_{names[i]}" for i in keep] + [f"temperature_c_{names[i]}" for i in keep]
         file.write(",".join(head + (["event"] if event else [])) + "\n")
         for m in range(len(temperatures)):
             row = [f"{m * ts:.3f}", f"{powers[m, :4].sum():.7g}"]

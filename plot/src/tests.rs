@@ -254,7 +254,7 @@ fn an_estimate_without_direction_leaves_a_gap_and_still_has_a_speed() {
 #[test]
 fn a_head_of_two_hemispheres_has_one_angle() {
     // A number of a TOML file needs no decimal point.
-    let axis = "[[calibration.parts]]\\naxis = [0, 0, 2]\\n[[calibration.parts]]\\naxis = [0.0, 0.0, -2.0]\\n";
+    let axis = "[[calibration.surfaces]]\\naxis = [0, 0, 2]\\n[[calibration.surfaces]]\\naxis = [0.0, 0.0, -2.0]\\n";
     // All of its estimates are undetermined: that is no reason for a gap.
     let recording = estimates(&["hemisphere1", "hemisphere2"], &format!("# head: {axis}\n"), |_| 16);
     let figure = run::figure(&recording).unwrap();

@@ -36,9 +36,9 @@
 //! experiment, firmware, losses, hash …) are Parquet's key-values and, in CSV, lines `# key:
 //! value`: above the header what is known at the start, below the last row what is known at the end
 //! of a run. Times are stored in f64, the rest in f32, which is what the instrument computes in.
-//! Files of before 0.2 (`power_w:sector1`, `answer_x_m_s`) are read with the names above. Any other
-//! uniformly sampled table with named columns can be read just as well, with its own names. In
-//! Parquet, unit and description of each column are metadata of its field.
+//! A file of another format is refused. Any other uniformly sampled table with named columns can be
+//! read just as well, with its own names. In Parquet, unit and description of each column are
+//! metadata of its field.
 //!
 //! | module or type | what it is |
 //! |---|---|
@@ -73,7 +73,6 @@ mod describe;
 mod dialect;
 mod error;
 mod file_format;
-mod format1;
 pub mod head_mounting;
 pub mod in_memory;
 pub mod interrupt;
@@ -99,11 +98,10 @@ pub use collector::Collector;
 pub use column::{CHUNK, ColumnValues, ColumnWords, Metadata, RecordingColumn};
 pub use error::RecordingError;
 pub use file_format::check_name;
-pub use format1::{current_name, is_format_1, is_pair, renamed};
 pub use names::{
     BITS, CONDUCTANCE, EQUIVALENT_POWER, EVENT, GAS_TEMPERATURE, GIVEN_WIND, HEATER, OFFSET_CAPACITANCE, POWER,
     RAW_CONDUCTANCE, REFERENCE, STATE, SYMBOL, SYMBOL_CAPACITANCE, TEMPERATURE, TIME, TRUE_OFFSET_CAPACITANCE,
-    TRUE_VOLTAGE_SHIFT, TRUE_WIND, UNKNOWN_HEAT, UTC, VOLTAGE_SHIFT, column_name, element_of, in_columns,
+    TRUE_VOLTAGE_SHIFT, TRUE_WIND, UNKNOWN_HEAT, UTC, VOLTAGE_SHIFT, column_name, element_of, in_columns, is_pair,
     shared_column, stated_unit,
 };
 pub use parts::{journal_of, named_by, whole_path};

@@ -4,6 +4,9 @@
 //! name is an underscore in its columns, so that every column is an identifier in Python, SQL and
 //! the like: the die `card1-die2` has the column `temperature_c_card1_die2`.
 
+/// Key of a file's metadata that counts changes of the columns, and its value.
+pub(crate) const FORMAT: (&str, &str) = ("format", "2");
+
 /// Time of a row, s.
 pub const TIME: &str = "time_s";
 /// When a row arrived at the host.
@@ -70,6 +73,12 @@ pub fn column_name(quantity: &str, element: &str) -> String {
     format!("{quantity}{}", in_columns(element))
 }
 
+/// Tells whether `text` names this pair, as `input:output`. Elements' names may have their hyphens.
+pub fn is_pair(text: &str, input: &str, output: &str) -> bool {
+    let is = |text: &str, name: &str| text == name || in_columns(text) == name;
+    text.match_indices(':').any(|(at, _)| is(&text[..at], input) && is(&text[at + 1..], output))
+}
+
 /// The element that a column belongs to: `sector1` of `power_w_sector1`, none of `time_s`.
 pub fn element_of(column: &str) -> Option<&str> {
     QUANTITIES.iter().find_map(|quantity| column.strip_prefix(quantity)).filter(|element| !element.is_empty())
@@ -122,6 +131,14 @@ mod tests {
         assert_eq!(element_of("equivalent_power_w_core1"), Some("core1"));
         assert_eq!(element_of("raw_w_k_card1_die2"), Some("card1_die2"));
         assert_eq!((element_of("time_s"), element_of("gas_temperature_c"), element_of("power_w_")), (None, None, None));
+    }
+
+    #[test]
+    fn a_pair_is_found_by_columns_and_by_hyphens() {
+        assert!(is_pair("power_w_a:temperature_c_b_1", "power_w_a", "temperature_c_b_1"));
+        assert!(!is_pair("power_w_a", "power_w_a", "b") && !is_pair("power_w_b:b-1", "power_w_a", "b_1"));
+        assert!(is_pair("card1-die1:card1-die2", "card1_die1", "card1_die2") && is_pair("u-v:y", "u-v", "y"));
+        assert!(is_pair("u:y:z", "u:y", "z") && is_pair("u:y:z", "u", "y:z"));
     }
 
     #[test]

@@ -6,10 +6,9 @@ use crate::column::{ChunkSource, Metadata, RecordingColumn, TableHead, overlay};
 use crate::csv_read::CsvReader;
 use crate::error::RecordingError;
 use crate::file_format::FileFormat;
-use crate::format1::rename_columns;
 use crate::in_memory;
 use crate::interrupt::is_interrupted;
-use crate::names::duplicate;
+use crate::names::{FORMAT, duplicate};
 use crate::parts::files_of;
 use crate::regular;
 
@@ -31,10 +30,10 @@ pub struct RecordingReader {
 
 impl RecordingReader {
     /// Opens a file, a folder of segments, or the files that a pattern (`run/*.parquet`) names.
-    /// Columns of format 1 get their names of today.
     ///
     /// # Errors
-    /// If there is no such file, its extension is not known, or it is no table with named columns.
+    /// If there is no such file, its extension is not known, it is no table with named columns, or a
+    /// recording of another format.
     pub fn open(path: &Path) -> Result<Self, RecordingError> {
         Self::open_named(path, &[])
     }
@@ -174,6 +173,20 @@ fn open_on_disk(path: &Path, given: &[String]) -> Result<(Box<dyn ChunkSource>, 
     }
 }
 
+/// Refuses a file whose columns mean something else. A foreign file may say `format` in words.
+fn check_format(path: &Path, metadata: &Metadata) -> Result<(), RecordingError> {
+    let (key, current) = FORMAT;
+    let said = metadata.iter().find(|(name, _)| name == key).map(|(_, value)| value.trim());
+    match said.filter(|said| said.parse::<u64>().is_ok() && *said != current) {
+        Some(said) => {
+            let sentence =
+                format!("is of format {said}, and this anemo reads format {current}: use the anemo that wrote it");
+            Err(RecordingError::new(path, sentence))
+        }
+        None => Ok(()),
+    }
+}
+
 /// Opens one file or table in memory, and tells the names of its columns.
 fn open_file(path: &Path, given: &[String]) -> Result<(Box<dyn ChunkSource>, Vec<String>), RecordingError> {
     let (source, mut names) = match in_memory::open(path) {
@@ -188,7 +201,7 @@ fn open_file(path: &Path, given: &[String]) -> Result<(Box<dyn ChunkSource>, Vec
         }
         names = given.to_vec();
     }
-    rename_columns(&mut names, &source.metadata());
+    check_format(path, &source.metadata())?;
     if let Some(name) = duplicate(names.iter().map(String::as_str)) {
         return Err(RecordingError::new(path, format!("two columns are named `{name}`: rename one of them")));
     }

@@ -370,50 +370,22 @@ fn what_observers_see_has_columns_only_where_they_ran() {
     }
 }
 
-/// A recording of before 0.2, as the command of that time wrote it.
-fn format_1(name: &str) -> Recording {
-    Recording::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/fixtures/format1").join(name)).unwrap()
-}
-
-#[test]
-fn a_recording_of_format_1_is_read_with_the_names_of_today() {
-    for name in ["recording.csv", "recording.parquet"] {
-        let read = format_1(name);
-        assert!(read.columns.iter().all(|column| !column.name.contains([':', '-'])), "{name}");
-        assert_eq!(read.elements(), ["sector1", "sector2", "sector3", "sector4", "core1", "core2", "reference"]);
-        let layout = RecordingLayout {
-            elements: read.elements().iter().map(|&name| name.to_owned()).collect(),
-            true_wind: true,
-            estimates: ["sector1", "sector2", "sector3", "sector4"].map(str::to_owned).to_vec(),
-            combined_wind: false,
-            earth_wind: false,
-            cores: Vec::new(),
-            numbers: Vec::new(),
-            ..RecordingLayout::default()
-        };
-        let today = layout.columns();
-        assert_eq!(read.columns.iter().map(|column| column.name.clone()).collect::<Vec<_>>(), today, "{name}");
-        let speed_m_s = TRUE_WIND.map(|name| read.numbers(name).unwrap()[0]).iter().map(|v| v * v).sum::<f64>().sqrt();
-        assert!((speed_m_s - 5.0).abs() < 1e-6, "{name}: the simulation blew with {speed_m_s} m/s");
-        assert_eq!(read.events().unwrap().dictionary(), ["breeze"]);
-    }
-    let read = format_1("recording.csv");
-    let flags = read.numbers(wind::QUALITY_FLAGS).unwrap();
-    let estimated: Vec<usize> = (0..flags.len()).filter(|&row| flags[row].is_finite()).collect();
-    assert!(!estimated.is_empty() && estimated.iter().all(|&row| flags[row] == 1024.0), "saturated while it warms up");
-    let speed_m_s = read.numbers(wind::WIND_SPEED).unwrap();
-    assert!(estimated.iter().all(|&row| speed_m_s[row].is_finite()));
-    let differs = |name: &&str| read.numbers(name).unwrap()[estimated[0]] != read.numbers(TRUE_WIND[0]).unwrap()[0];
-    assert!(wind::WIND_ESTIMATE[..1].iter().all(differs), "the estimate is not the truth");
-}
-
 #[test]
 fn a_table_of_given_winds_and_a_foreign_one_keep_their_columns() {
     let given = csv("event,wind_x_m_s,wind_y_m_s,wind_z_m_s\na,1,2,3\n").unwrap();
     assert_eq!(GIVEN_WIND.map(|name| given.numbers(name).unwrap()[0]), [1.0, 2.0, 3.0]);
     assert!(csv("time_s,heater:1,wind_x_m_s\n0,1,2\n").unwrap().has("wind_x_m_s"));
-    let twins = csv("time_s,power_w:a-b,power_w:a_b\n0,1,2\n").unwrap_err();
-    assert_eq!(twins, "r.csv: two columns are named `power_w_a_b`: rename one of them");
+}
+
+#[test]
+fn a_file_of_another_format_is_refused() {
+    let file = |format: &str| csv(&format!("# format: {format}\ntime_s,power_w_a\n0,1\n"));
+    for format in ["1", "3"] {
+        let sentence =
+            format!("r.csv: is of format {format}, and this anemo reads format 2: use the anemo that wrote it");
+        assert_eq!(file(format).unwrap_err(), sentence);
+    }
+    assert!(file("2").unwrap().has("power_w_a") && file("TOA5").unwrap().has("power_w_a"));
 }
 
 #[test]

@@ -17,7 +17,7 @@ pub fn head() -> PathBuf {
 pub fn uncalibrated() -> String {
     let text = std::fs::read_to_string(head()).expect("the calibrated head can be read");
     let begin = text.find("[calibration.nusselt]").expect("it has amplitudes");
-    let end = begin + text[begin..].find("[[calibration.parts]]").expect("it has parts");
+    let end = begin + text[begin..].find("[[calibration.surfaces]]").expect("it has surfaces");
     format!("{}{}", &text[..begin], &text[end..])
 }
 

@@ -4,7 +4,6 @@
 use dr_core::control::MOST_ELEMENTS;
 use dr_core::wind::{Anemometer, WindCommand};
 
-use super::calibration::keys::CalibrationKeys;
 use super::file::Head;
 use recording::toml_file::FileError;
 
@@ -22,8 +21,7 @@ impl Head {
         let mut crosses = 0;
         for command in commands {
             anemometer.handle(command, sample_period_s as f32).map_err(|error| {
-                CalibrationKeys(&self.source)
-                    .refuse(&self.table_of(command, crosses), format!("cannot be used: {error}"))
+                self.source.refuse(&self.table_of(command, crosses), format!("cannot be used: {error}"))
             })?;
             crosses += usize::from(matches!(command, WindCommand::CrossHeating(_)));
         }

@@ -104,7 +104,7 @@ impl Replay {
             heater.push(needed(recording::column_name(HEATER, name))?);
         }
         let gas = match gas {
-            Some(name) => Some(needed(recording::current_name(name).into_owned())?),
+            Some(name) => Some(needed(name.to_owned())?),
             None => place(GAS_TEMPERATURE),
         };
         let (event, state) = (place(EVENT), place(STATE));

@@ -196,8 +196,7 @@ pub struct Class {
     /// Its standard error, K/W.
     pub se_feed_through_k_per_w: f64,
     /// Covariance of R_1 … R_K, the feed-through and, of rates that were fitted, ln ξ_1 … ln ξ_K:
-    /// the lower triangle row by row, in (K/W)², K/W and 1. Absent in models of before 0.2, and
-    /// where it is not known.
+    /// the lower triangle row by row, in (K/W)², K/W and 1. Absent where it is not known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub covariance: Option<Vec<f64>>,
 }

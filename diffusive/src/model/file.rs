@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::content::{FORMAT, Model, ModelGas, ModelWind, VERSION};
+use super::content::{FORMAT, Model, VERSION};
 use super::error::ModelError;
 use recording::Temporary;
 use recording::text::one_line;
@@ -51,28 +51,10 @@ impl Model {
         if let Some(key) = too_large(&value) {
             return Err(model_error!("`{}` is a number too large to compute with", one_line(key)));
         }
-        let mut model: Self = serde_json::from_value(value)
+        let model: Self = serde_json::from_value(value)
             .map_err(|error| model_error!("is not a whole model: {}", one_line(error.to_string())))?;
-        model.rename_columns();
         model.check()?;
         Ok(model)
-    }
-
-    /// Gives the columns of a model that was identified before 0.2 their names of today.
-    fn rename_columns(&mut self) {
-        let columns = self.inputs.iter().chain(self.outputs.iter().map(|output| &output.name));
-        if !recording::is_format_1(columns.map(String::as_str)) {
-            return;
-        }
-        let mut names: Vec<&mut String> = self.inputs.iter_mut().chain(&mut self.event_column).collect();
-        names.extend(self.outputs.iter_mut().map(|output| &mut output.name));
-        names.extend(self.pairs.iter_mut().flat_map(|pair| [&mut pair.input, &mut pair.output]));
-        if let Some(ModelWind { gas: ModelGas::Column(gas), .. }) = &mut self.wind {
-            names.push(gas);
-        }
-        for name in names {
-            *name = recording::renamed(name).into_owned();
-        }
     }
 
     /// The text of its file.
@@ -122,15 +104,6 @@ mod tests {
     #[test]
     fn a_model_that_follows_its_gas_is_read_as_it_was_written() {
         assert_eq!(Model::from_json(&model().to_json()).unwrap(), model());
-    }
-
-    #[test]
-    fn a_model_of_format_1_is_read_with_the_names_of_today() {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/fixtures/format1");
-        let model = Model::read(&folder.join("model.json")).unwrap();
-        assert_eq!((&model.inputs[..], model.pairs.len()), (&["power_w_sector1".to_owned()][..], 1));
-        assert!(model.pair("power_w_sector1", "temperature_c_sector1").is_some());
-        assert_eq!(model.outputs[0].name, "temperature_c_sector1");
     }
 
     #[test]

@@ -7,7 +7,7 @@
 //! | `[support]` | `temperature_c`; without it, the gas's |
 //! | `[front_end]` | `noise_v_rms`, `resistance_error_percent`, `coefficient_error_percent`, `current_error_percent`, and by element `current_ratio_error_ppm = { … }`; 0 if not given |
 //! | `[currents]` | one line an element whose levels are not the head's: `{ low_a, high_a }` |
-//! | `[wind_output]` | for a head with a calibration: `bandwidth_hz` (0.5 … 50, 2 if not given) of the convective powers, `interval_s` (0.01 or a tick if not given), `fixed` (true keeps the bandwidth when the wind jumps); the older `[answer]` with `every_s` is read as well |
+//! | `[wind_output]` | for a head with a calibration: `bandwidth_hz` (0.5 … 50, 2 if not given) of the convective powers, `interval_s` (0.01 or a tick if not given), `fixed` (true keeps the bandwidth when the wind jumps) |
 //! | `[drives]` | one line an element; one without is passive |
 //! | `[[changes]]` | `start_s`, and `drives` of elements that do something else from then on |
 //! | `[[wind]]` | `start_s`, `speed_m_s`, and optionally `label`, `azimuth_deg`, `elevation_deg`, and what blows on top of the mean (below) |

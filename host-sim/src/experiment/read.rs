@@ -6,7 +6,7 @@ use super::checked::Experiment;
 use super::drives::DriveReader;
 use super::grid::TickGrid;
 use super::models::Models;
-use super::table::{AnswerTable, ExperimentTable, FaultTable, WindOutputTable};
+use super::table::{ExperimentTable, FaultTable, WindOutputTable};
 use super::{held, sweep, wind};
 use crate::sensor::field::FieldEffects;
 use crate::sensor::{TimedFault, construction_of};
@@ -82,7 +82,7 @@ impl Experiment {
         if let Some(swing) = &table.gas.swing {
             grid.check_start("gas.swing.start_s", swing.start_s)?;
         }
-        let wind_output = wind_output(&grid, table.wind_output, table.answer, &head)?;
+        let wind_output = wind_output(&grid, table.wind_output, &head)?;
         let mut experiment = Self {
             wind: match (&table.sweep, &table.tunnel, &table.wind[..]) {
                 (Some(sweep), None, []) => sweep::entries(&grid, sweep, table.seed)?,
@@ -168,30 +168,19 @@ fn of_one_gas(source: &TomlSource, head: &Head, species: Species) -> Result<(), 
     }
 }
 
-/// How the wind estimate of a head with a calibration is output, by `[wind_output]` or the older
-/// `[answer]`.
-fn wind_output(
-    grid: &TickGrid,
-    table: Option<WindOutputTable>,
-    older: Option<AnswerTable>,
-    head: &Head,
-) -> Result<Option<WindOutput>, FileError> {
+/// Output of the wind estimate of a head with a calibration.
+fn wind_output(grid: &TickGrid, table: Option<WindOutputTable>, head: &Head) -> Result<Option<WindOutput>, FileError> {
     let source = grid.source;
-    if table.is_some() && older.is_some() {
-        return Err(source.refuse("answer", "is given besides [wind_output], which is its name now: keep one of them"));
-    }
-    let (key, interval_key) = if older.is_some() { ("answer", "every_s") } else { ("wind_output", "interval_s") };
-    let table = table.or(older.map(WindOutputTable::from));
     if head.calibration.is_none() {
         let sentence = "is given, but the head has no calibration: `anemo calibrate` makes one";
-        return table.map_or(Ok(None), |_| Err(source.refuse(key, sentence)));
+        return table.map_or(Ok(None), |_| Err(source.refuse("wind_output", sentence)));
     }
     let WindOutputTable { bandwidth_hz, interval_s, fixed } = table.unwrap_or_default();
     if let Some(bandwidth_hz) = bandwidth_hz {
-        source.within(&format!("{key}.bandwidth_hz"), bandwidth_hz, WindOutput::BANDWIDTHS_HZ, "Hz")?;
+        source.within("wind_output.bandwidth_hz", bandwidth_hz, WindOutput::BANDWIDTHS_HZ, "Hz")?;
     }
     if let Some(interval_s) = interval_s {
-        grid.whole_ticks(&format!("{key}.{interval_key}"), interval_s)?;
+        grid.whole_ticks("wind_output.interval_s", interval_s)?;
     }
     Ok(Some(WindOutput::new(bandwidth_hz, interval_s, fixed, grid.sample_period_s)))
 }

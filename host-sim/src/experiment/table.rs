@@ -22,8 +22,6 @@ pub(super) struct ExperimentTable {
     pub observe: bool,
     pub host_timeout_s: Option<f32>,
     pub wind_output: Option<WindOutputTable>,
-    /// Name of `wind_output` before version 0.2.
-    pub answer: Option<AnswerTable>,
     pub sample_period_s: f64,
     pub duration_s: f64,
     #[serde(default)]
@@ -62,22 +60,6 @@ pub(super) struct WindOutputTable {
     pub interval_s: Option<f64>,
     #[serde(default)]
     pub fixed: bool,
-}
-
-/// The older table of the same meaning.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct AnswerTable {
-    bandwidth_hz: Option<f64>,
-    every_s: Option<f64>,
-    #[serde(default)]
-    fixed: bool,
-}
-
-impl From<AnswerTable> for WindOutputTable {
-    fn from(AnswerTable { bandwidth_hz, every_s, fixed }: AnswerTable) -> Self {
-        Self { bandwidth_hz, interval_s: every_s, fixed }
-    }
 }
 
 #[derive(Deserialize)]

@@ -65,9 +65,7 @@ impl Comparison {
         }
         let head: Option<toml::Table> = recording.metadata("head").and_then(|text| text.parse().ok());
         let Some(calibration) = head.as_ref().and_then(|head| head.get("calibration")) else { return Self::default() };
-        // Files from before version 0.2 call the surfaces parts.
-        let surfaces = ["surfaces", "parts"].into_iter().find_map(|key| calibration.get(key)?.as_array());
-        let surfaces = surfaces.map_or(&[][..], Vec::as_slice);
+        let surfaces = calibration.get("surfaces").and_then(toml::Value::as_array).map_or(&[][..], Vec::as_slice);
         let Some(axis) = surfaces.first().and_then(|first| direction(first, "axis")) else { return Self::default() };
         let corner = direction(&surfaces[0], "corner").unwrap_or_default();
         let form = calibration.get("form").and_then(|form| form.clone().try_into().ok()).unwrap_or_default();

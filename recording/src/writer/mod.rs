@@ -19,8 +19,7 @@ use std::time::{Duration, Instant, SystemTime};
 use crate::column::{ColumnKind, ColumnValues, Metadata, RecordingColumn, RowCell, cells_of_row, overlay};
 use crate::error::RecordingError;
 use crate::file_format::check_name;
-use crate::format1::FORMAT;
-use crate::names::{TIME, UTC};
+use crate::names::{FORMAT, TIME, UTC};
 use crate::parts::{SEGMENT_NUMBER, journal_in, journal_of};
 use crate::row::{RecordingLayout, RecordingRow};
 use decimated::RowDecimator;
@@ -374,7 +373,7 @@ fn held(path: &Path, journal: &Path) -> RecordingError {
     RecordingError::new(path, sentence)
 }
 
-/// The metadata of a file in today's format, which may be copied from one of an older.
+/// Metadata of a file with the number of the format.
 pub(crate) fn with_format(metadata: &Metadata) -> Metadata {
     let others = metadata.iter().filter(|(key, _)| key != FORMAT.0).cloned();
     std::iter::once((FORMAT.0.to_owned(), FORMAT.1.to_owned())).chain(others).collect()

@@ -11,7 +11,6 @@ mod crashes;
 mod endings;
 mod faults;
 mod figures;
-mod format1;
 mod fuzz;
 mod host_and_board;
 mod identification;

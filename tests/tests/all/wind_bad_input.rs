@@ -303,7 +303,7 @@ fn a_head_of_another_gas_or_with_a_wrong_number_is_refused_by_its_file() {
     std::fs::write(&wrong, format!("{}gain = 0.0{}", &text[..at], &text[end..])).unwrap();
     let place = 1 + text[..at].matches('\n').count();
     let expected =
-        format!("wrong.toml, line {place}: `calibration.parts[0].gain` is 0: it must lie between 0.1 and 10");
+        format!("wrong.toml, line {place}: `calibration.surfaces[0].gain` is 0: it must lie between 0.1 and 10");
     let (code, sentence) = desk.refused(&["wind", "r.csv", "--head", "wrong.toml"], &[]);
     assert_eq!((code, sentence.as_str()), (2, expected.as_str()));
     let desk = blown_with(&wrong, 3.0, &[]);

@@ -85,11 +85,9 @@ fn job_fault(command: &str, jobs: &clap::Command) -> Option<String> {
     Some(format!("`{command}`: {}", message.lines().next().unwrap_or_default()))
 }
 
-/// Whether code within the text only mentions an option without its value, or an older name.
+/// Whether code within the text only mentions an option without its value.
 fn is_mention(reason: &str) -> bool {
-    ["a value is required", "required arguments were not provided", "is now called"]
-        .iter()
-        .any(|of| reason.contains(of))
+    ["a value is required", "required arguments were not provided"].iter().any(|of| reason.contains(of))
 }
 
 /// Those lines that `anemo` would refuse, and why; the last of each tells whether it stands within

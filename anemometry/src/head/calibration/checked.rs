@@ -2,12 +2,11 @@
 
 use dr_core::wind::HeadForm;
 
-use super::keys::CalibrationKeys;
 use super::table::CalibrationTable;
 use crate::head::element::HeadElement;
 use crate::network::parameters::QuiescentNetwork;
 use recording::text::suggest;
-use recording::toml_file::FileError;
+use recording::toml_file::{FileError, TomlSource};
 
 /// A checked calibration, in f64.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,7 +27,7 @@ impl Calibration {
     /// # Errors
     /// The key and line of a name that no element has.
     pub(super) fn placed(
-        keys: CalibrationKeys<'_>,
+        source: &TomlSource,
         mut table: CalibrationTable,
         elements: &[HeadElement],
     ) -> Result<Self, FileError> {
@@ -36,7 +35,7 @@ impl Calibration {
         let place = |key: &str, name: &str| {
             names.iter().position(|known| *known == name).ok_or_else(|| {
                 let hint = suggest(name, names.iter().copied());
-                keys.refuse(key, format!("is `{name}`, which is no element of this head; {hint}"))
+                source.refuse(key, format!("is `{name}`, which is no element of this head; {hint}"))
             })
         };
         let reference = table.reference.as_ref().map(|name| place("calibration.reference", name)).transpose()?;

@@ -13,7 +13,6 @@ use dr_core::wind::{ConvectionSettings, HeadForm, Nusselt, NusseltSurface};
 
 use super::checked::Calibration;
 use super::conditions::CalibrationConditions;
-use super::keys::CalibrationKeys;
 use super::table::{CalibrationTable, ConvectionModelTable, UncertaintyTable};
 use crate::gas::{TEMPERATURE_RANGE_K, ZERO_CELSIUS_K};
 use crate::head::element::HeadElement;
@@ -38,6 +37,9 @@ const QUIESCENT_W_K: std::ops::RangeInclusive<f64> = 0.0..=1e3;
 const MOST_AREA_M2: f64 = 1.0;
 const SURFACE: std::ops::RangeInclusive<f64> = -10.0..=10.0;
 
+/// Heading of the tables of self-heating.
+const SELF_HEATING: &str = "[[calibration.self_heating]]";
+
 impl Calibration {
     /// The calibration of a table.
     ///
@@ -48,96 +50,93 @@ impl Calibration {
         table: CalibrationTable,
         elements: &[HeadElement],
     ) -> Result<Self, FileError> {
-        let keys = CalibrationKeys(source);
-        let calibration = Self::placed(keys, table, elements)?;
-        calibration.check_numbers(keys)?;
-        calibration.check_self_heating(keys)?;
-        calibration.check_cross_heating(keys)?;
-        calibration.check_surfaces(keys)?;
-        calibration.check_curves(keys)?;
-        calibration.check_correction(keys)?;
+        let calibration = Self::placed(source, table, elements)?;
+        calibration.check_numbers(source)?;
+        calibration.check_self_heating(source)?;
+        calibration.check_cross_heating(source)?;
+        calibration.check_surfaces(source)?;
+        calibration.check_curves(source)?;
+        calibration.check_correction(source)?;
         Ok(calibration)
     }
 
-    fn check_numbers(&self, keys: CalibrationKeys<'_>) -> Result<(), FileError> {
+    fn check_numbers(&self, source: &TomlSource) -> Result<(), FileError> {
         let table = &self.table;
         for (key, value, range, unit) in [
             ("calibration.direction_error_max_deg", table.direction_error_max_deg, DIRECTION_ERROR_MAX_DEG, "°"),
             ("calibration.diameter_m", table.diameter_m, DIAMETER_M, "m"),
             ("calibration.reference_gas_c", table.reference_gas_c, GAS_C, "°C"),
         ] {
-            keys.within(key, value, range, unit)?;
+            source.within(key, value, range, unit)?;
         }
         let corrected_on = table.correction.as_ref().and_then(|of| of.made_on.as_ref());
         for (key, day) in [("calibration", table.made_on.as_ref()), ("calibration.correction", corrected_on)] {
             if let Some(day) = day.filter(|day| !utc::is_day(day)) {
                 let sentence = format!("is `{day}`: a day belongs there, as 2026-03-01");
-                return Err(keys.refuse(&format!("{key}.made_on"), sentence));
+                return Err(source.refuse(&format!("{key}.made_on"), sentence));
             }
         }
         if self.reference.is_some_and(|reference| self.knows(reference)) {
             let name = table.reference.as_deref().unwrap_or_default();
-            let heading = keys.heading("self_heating");
-            let sentence = format!("is `{name}`, which is heated: it has a {heading}, and cannot measure the gas");
-            return Err(keys.refuse("calibration.reference", sentence));
+            let sentence = format!("is `{name}`, which is heated: it has a {SELF_HEATING}, and cannot measure the gas");
+            return Err(source.refuse("calibration.reference", sentence));
         }
         Ok(())
     }
 
-    fn check_self_heating(&self, keys: CalibrationKeys<'_>) -> Result<(), FileError> {
+    fn check_self_heating(&self, source: &TomlSource) -> Result<(), FileError> {
         for (i, own) in self.network.own.iter().enumerate() {
             let key = format!("calibration.self_heating[{i}]");
             if self.network.own.iter().take(i).any(|before| before.element == own.element) {
-                let sentence = format!("is `{}`, which has a {} already", own.name, keys.heading("self_heating"));
-                return Err(keys.refuse(&format!("{key}.element"), sentence));
+                let sentence = format!("is `{}`, which has a {SELF_HEATING} already", own.name);
+                return Err(source.refuse(&format!("{key}.element"), sentence));
             }
-            keys.within(&format!("{key}.rest_c"), own.rest_c, REST_C, "°C")?;
+            source.within(&format!("{key}.rest_c"), own.rest_c, REST_C, "°C")?;
             for noise_k in [own.noise.low_k, own.noise.high_k] {
-                keys.positive_to(&format!("{key}.noise_k"), noise_k, MOST_NOISE_K, "K")?;
+                positive_to(source, &format!("{key}.noise_k"), noise_k, MOST_NOISE_K, "K")?;
             }
-            check_relaxations(keys, &key, ORDER, &own.mesh_rad_s, &own.r_k_per_w, own.surface.as_deref())?;
+            check_relaxations(source, &key, ORDER, &own.mesh_rad_s, &own.r_k_per_w, own.surface.as_deref())?;
             let surface = |k: usize| own.surface.as_ref().map_or(1.0, |shares| shares[k]);
             let steady_k_per_w: f64 = own.r_k_per_w.iter().enumerate().map(|(k, r)| r * surface(k)).sum();
             if steady_k_per_w <= 0.0 {
                 let sentence = format!("has a steady gain of {steady_k_per_w} K/W: heating must make it warmer");
-                return Err(keys.refuse(&key, sentence));
+                return Err(source.refuse(&key, sentence));
             }
         }
         Ok(())
     }
 
-    fn check_cross_heating(&self, keys: CalibrationKeys<'_>) -> Result<(), FileError> {
-        let heading = keys.heading("self_heating");
+    fn check_cross_heating(&self, source: &TomlSource) -> Result<(), FileError> {
         for (i, cross) in self.network.cross.iter().enumerate() {
             let key = format!("calibration.cross_heating[{i}]");
-            let refuse = |sentence: String| Err(keys.refuse(&key, sentence));
+            let refuse = |sentence: String| Err(source.refuse(&key, sentence));
             let (from, to) = (&cross.from_name, &cross.to_name);
             if cross.from == cross.to {
-                return refuse(format!("is from `{from}` to itself: that is {heading}"));
+                return refuse(format!("is from `{from}` to itself: that is {SELF_HEATING}"));
             }
             for (name, element) in [(from, cross.from), (to, cross.to)] {
                 if !self.knows(element) {
-                    return refuse(format!("names `{name}`, which has no {heading}"));
+                    return refuse(format!("names `{name}`, which has no {SELF_HEATING}"));
                 }
             }
             let pair = (cross.from, cross.to);
             if self.network.cross.iter().take(i).any(|before| (before.from, before.to) == pair) {
                 return refuse(format!("is from `{from}` to `{to}`, as another one before it"));
             }
-            check_relaxations(keys, &key, CROSS_ORDER, &cross.mesh_rad_s, &cross.r_k_per_w, Some(&cross.surface))?;
+            check_relaxations(source, &key, CROSS_ORDER, &cross.mesh_rad_s, &cross.r_k_per_w, Some(&cross.surface))?;
         }
         for from in &self.network.own {
             for to in self.network.own.iter().filter(|to| to.element != from.element) {
                 if !self.network.cross.iter().any(|cross| (cross.from, cross.to) == (from.element, to.element)) {
                     let sentence = format!("lacks the pair from `{}` to `{}`", from.name, to.name);
-                    return Err(keys.refuse("calibration.cross_heating", sentence));
+                    return Err(source.refuse("calibration.cross_heating", sentence));
                 }
             }
         }
         Ok(())
     }
 
-    fn check_surfaces(&self, keys: CalibrationKeys<'_>) -> Result<(), FileError> {
+    fn check_surfaces(&self, source: &TomlSource) -> Result<(), FileError> {
         let count = self.surfaces.len();
         let form = self.table.form;
         let counts = form.surfaces();
@@ -147,9 +146,8 @@ impl Calibration {
                 HeadForm::Single => format!("are {count}: a single element has one"),
                 _ => format!("are {count}: {least} to {most} belong here, and four dice on a card"),
             };
-            return Err(keys.refuse("calibration.surfaces", sentence));
+            return Err(source.refuse("calibration.surfaces", sentence));
         }
-        let heading = keys.heading("self_heating");
         let most_m2 = match form {
             HeadForm::Sphere | HeadForm::Cube => PI * self.table.diameter_m * self.table.diameter_m,
             HeadForm::Cylinder | HeadForm::Wires | HeadForm::Single => MOST_AREA_M2,
@@ -159,46 +157,47 @@ impl Calibration {
             let own = self.network.own.iter().find(|own| own.element == *element);
             let why = match own.map(|own| &own.surface) {
                 _ if self.surfaces[..i].contains(element) => Some("which is another surface's already".to_owned()),
-                None => Some(format!("which has no {heading}")),
-                Some(None) => Some(format!("which has no `surface` in its {heading}, and so no wind cools it")),
+                None => Some(format!("which has no {SELF_HEATING}")),
+                Some(None) => Some(format!("which has no `surface` in its {SELF_HEATING}, and so no wind cools it")),
                 Some(Some(_)) => None,
             };
             if let Some(why) = why {
-                return Err(keys.refuse(&format!("{key}.element"), format!("is `{}`, {why}", of.element)));
+                return Err(source.refuse(&format!("{key}.element"), format!("is `{}`, {why}", of.element)));
             }
-            keys.within(&format!("{key}.gain"), of.gain, GAIN, "")?;
-            keys.within(&format!("{key}.quiescent_w_k"), of.quiescent_w_k, QUIESCENT_W_K, "W/K")?;
-            keys.positive_to(&format!("{key}.area_m2"), of.area_m2, most_m2, "m²")?;
+            source.within(&format!("{key}.gain"), of.gain, GAIN, "")?;
+            source.within(&format!("{key}.quiescent_w_k"), of.quiescent_w_k, QUIESCENT_W_K, "W/K")?;
+            positive_to(source, &format!("{key}.area_m2"), of.area_m2, most_m2, "m²")?;
             NusseltSurface::new(form, &of.surface())
-                .map_err(|error| keys.refuse(&key, format!("cannot be used: {error}")))?;
+                .map_err(|error| source.refuse(&key, format!("cannot be used: {error}")))?;
             if self.table.nusselt.is_some() && form != HeadForm::Single && of.means[0] <= 0.0 {
                 let sentence = format!("begins with {}: a surface faces its own axis", of.means[0]);
-                return Err(keys.refuse(&format!("{key}.means"), sentence));
+                return Err(source.refuse(&format!("{key}.means"), sentence));
             }
         }
         Ok(())
     }
 
-    fn check_curves(&self, keys: CalibrationKeys<'_>) -> Result<(), FileError> {
+    fn check_curves(&self, source: &TomlSource) -> Result<(), FileError> {
         let CalibrationTable { nusselt, card, convection, uncertainty, .. } = &self.table;
         if let Some(of) = uncertainty {
-            check_uncertainty(keys, of)?;
+            check_uncertainty(source, of)?;
         }
         if let Some(key) = self.table.conditions.as_ref().and_then(CalibrationConditions::fault) {
-            return Err(keys.refuse(&format!("calibration.conditions.{key}"), "must be two numbers, the least first"));
+            return Err(source.refuse(&format!("calibration.conditions.{key}"), "must be two numbers, the least first"));
         }
         if card.is_some() && (nusselt.is_some() || self.surfaces.len() != DICE) {
             let sentence = "belongs to four dice on a card, which have no [calibration.nusselt]";
-            return Err(keys.refuse("calibration.card", sentence));
+            return Err(source.refuse("calibration.card", sentence));
         }
         let Some(nusselt) = nusselt else { return Ok(()) };
         let made = Nusselt::new(self.table.form, &nusselt.config());
-        let mut made = made.map_err(|error| keys.refuse("calibration.nusselt", format!("cannot be used: {error}")))?;
+        let mut made =
+            made.map_err(|error| source.refuse("calibration.nusselt", format!("cannot be used: {error}")))?;
         let Some(convection) = convection else { return Ok(()) };
-        check_convection(keys, convection, nusselt.most_reynolds)?;
+        check_convection(source, convection, nusselt.most_reynolds)?;
         let taken = ConvectionSettings::new(&convection.config());
         let taken = taken.and_then(|taken| made.rest_at(taken.nusselt_at_rest));
-        taken.map_err(|error| keys.refuse("calibration.convection", format!("cannot be used: {error}")))
+        taken.map_err(|error| source.refuse("calibration.convection", format!("cannot be used: {error}")))
     }
 
     fn knows(&self, element: usize) -> bool {
@@ -207,7 +206,7 @@ impl Calibration {
 }
 
 /// The board's own limits, in the units of the file.
-fn check_uncertainty(keys: CalibrationKeys<'_>, of: &UncertaintyTable) -> Result<(), FileError> {
+fn check_uncertainty(source: &TomlSource, of: &UncertaintyTable) -> Result<(), FileError> {
     let lists = [
         ("conductance_share", &of.conductance_share[..], 0.0..=1.0, ""),
         ("speed_share", &of.speed_share, 0.0..=1.0, ""),
@@ -216,17 +215,17 @@ fn check_uncertainty(keys: CalibrationKeys<'_>, of: &UncertaintyTable) -> Result
     ];
     for (key, numbers, range, unit) in lists {
         for number in numbers {
-            keys.within(&format!("calibration.uncertainty.{key}"), *number, range.clone(), unit)?;
+            source.within(&format!("calibration.uncertainty.{key}"), *number, range.clone(), unit)?;
         }
     }
     let board = of.config().checked();
-    board.map(drop).map_err(|error| keys.refuse("calibration.uncertainty", format!("cannot be used: {error}")))
+    board.map(drop).map_err(|error| source.refuse("calibration.uncertainty", format!("cannot be used: {error}")))
 }
 
 /// Ranges of what the board would refuse without a key.
-fn check_convection(keys: CalibrationKeys<'_>, of: &ConvectionModelTable, most_reynolds: f64) -> Result<(), FileError> {
+fn check_convection(source: &TomlSource, of: &ConvectionModelTable, most_reynolds: f64) -> Result<(), FileError> {
     let within = |key: &str, value: f64, range: RangeInclusive<f64>, unit: &str| {
-        keys.within(&format!("calibration.convection.{key}"), value, range, unit).map(drop)
+        source.within(&format!("calibration.convection.{key}"), value, range, unit).map(drop)
     };
     within("nusselt_at_rest", of.nusselt_at_rest, 0.01..=1000.0, "")?;
     within("slowest_reynolds", of.slowest_reynolds, 0.0..=most_reynolds, "")?;
@@ -252,9 +251,14 @@ fn check_convection(keys: CalibrationKeys<'_>, of: &ConvectionModelTable, most_r
     Ok(())
 }
 
+/// Passes a value above zero and at most so great.
+fn positive_to(source: &TomlSource, key: &str, value: f64, most: f64, unit: &str) -> Result<f64, FileError> {
+    source.positive(key, value, unit).and_then(|value| source.within(key, value, 0.0..=most, unit))
+}
+
 /// Rates and what belongs to them.
 fn check_relaxations(
-    keys: CalibrationKeys<'_>,
+    source: &TomlSource,
     key: &str,
     most: usize,
     mesh_rad_s: &[f64],
@@ -264,25 +268,25 @@ fn check_relaxations(
     let rates = mesh_rad_s.len();
     for others in [r_k_per_w.len(), surface.map_or(rates, <[f64]>::len)] {
         if others != rates || rates == 0 {
-            return Err(keys.refuse(key, format!("has {rates} rates and {others} numbers that belong to them")));
+            return Err(source.refuse(key, format!("has {rates} rates and {others} numbers that belong to them")));
         }
     }
     let mesh_key = format!("{key}.mesh_rad_s");
     if rates > most {
-        return Err(keys.refuse(&mesh_key, format!("are {rates}: the board carries {most}")));
+        return Err(source.refuse(&mesh_key, format!("are {rates}: the board carries {most}")));
     }
     for &rate in mesh_rad_s {
-        keys.positive_to(&mesh_key, rate, GREATEST, "rad/s")?;
+        positive_to(source, &mesh_key, rate, GREATEST, "rad/s")?;
     }
     if let Some(pair) = mesh_rad_s.windows(2).find(|pair| pair[1] <= pair[0]) {
         let sentence = format!("has {} after {} rad/s: they must ascend", pair[1], pair[0]);
-        return Err(keys.refuse(&mesh_key, sentence));
+        return Err(source.refuse(&mesh_key, sentence));
     }
     for &r in r_k_per_w {
-        keys.within(&format!("{key}.r_k_per_w"), r, -GREATEST..=GREATEST, "K/W")?;
+        source.within(&format!("{key}.r_k_per_w"), r, -GREATEST..=GREATEST, "K/W")?;
     }
     for &share in surface.unwrap_or_default() {
-        keys.within(&format!("{key}.surface"), share, SURFACE, "")?;
+        source.within(&format!("{key}.surface"), share, SURFACE, "")?;
     }
     Ok(())
 }
@@ -323,19 +327,21 @@ mod tests {
         let part = "element = \"sector2\"\naxis";
         assert!(
             refused(0, part, "element = \"sector1\"\naxis")
-                .contains("`calibration.parts[1].element` is `sector1`, which is another")
+                .contains("`calibration.surfaces[1].element` is `sector1`, which is another")
         );
         assert!(refused(0, part, "element = \"core1\"\naxis").contains("`core1`, which has no `surface`"));
         let own = refused(0, "element = \"core2\"\nrest_c", "element = \"core1\"\nrest_c");
         assert!(
-            own.contains("`calibration.own[5].element` is `core1`, which has a [[calibration.own]] already"),
+            own.contains(
+                "`calibration.self_heating[5].element` is `core1`, which has a [[calibration.self_heating]] already"
+            ),
             "{own}"
         );
         let pair = "from = \"sector1\"\nto = \"sector3\"";
         assert!(refused(0, pair, "from = \"sector1\"\nto = \"sector2\"").contains("as another one before it"));
         assert!(refused(0, pair, "from = \"sector1\"\nto = \"sector1\"").contains("to itself"));
         let mut source = fixture();
-        source.text.truncate(source.text.rfind("[[calibration.cross]]").unwrap());
+        source.text.truncate(source.text.rfind("[[calibration.cross_heating]]").unwrap());
         let missing = Head::from_source(source).unwrap_err().to_string();
         assert!(missing.contains("lacks the pair from `core2` to `core1`"), "{missing}");
     }
@@ -346,14 +352,19 @@ mod tests {
             ("[calibration]", "diameter_m", "10.0", "calibration.diameter_m"),
             ("[calibration]", "reference", "\"sector1\"\nmade_on = \"March 2026\"", "calibration.made_on"),
             ("[calibration]", "reference_gas_c", "500.0", "calibration.reference_gas_c"),
-            ("[[calibration.parts]]", "gain", "-1.0", "calibration.parts[0].gain"),
-            ("[[calibration.parts]]", "area_m2", "1e9", "calibration.parts[0].area_m2"),
-            ("[[calibration.parts]]", "means", "[0.0, 0.0, 0.0, 0.0, 0.0]", "calibration.parts[0].means"),
-            ("[[calibration.parts]]", "axis", "[0.0, 0.0, 0.0]", "calibration.parts[0]"),
-            ("[[calibration.own]]", "rest_c", "-400.0", "calibration.own[0].rest_c"),
-            ("[[calibration.own]]", "noise_k", "[1e30, 1e30]", "calibration.own[0].noise_k"),
-            ("[[calibration.own]]", "r_k_per_w", "[-1e4, 1.0, 1.0, 1.0]", "calibration.own[0]"),
-            ("[[calibration.own]]", "mesh_rad_s", "[0.02, 0.01, 1.0, 2.0]", "calibration.own[0].mesh_rad_s"),
+            ("[[calibration.surfaces]]", "gain", "-1.0", "calibration.surfaces[0].gain"),
+            ("[[calibration.surfaces]]", "area_m2", "1e9", "calibration.surfaces[0].area_m2"),
+            ("[[calibration.surfaces]]", "means", "[0.0, 0.0, 0.0, 0.0, 0.0]", "calibration.surfaces[0].means"),
+            ("[[calibration.surfaces]]", "axis", "[0.0, 0.0, 0.0]", "calibration.surfaces[0]"),
+            ("[[calibration.self_heating]]", "rest_c", "-400.0", "calibration.self_heating[0].rest_c"),
+            ("[[calibration.self_heating]]", "noise_k", "[1e30, 1e30]", "calibration.self_heating[0].noise_k"),
+            ("[[calibration.self_heating]]", "r_k_per_w", "[-1e4, 1.0, 1.0, 1.0]", "calibration.self_heating[0]"),
+            (
+                "[[calibration.self_heating]]",
+                "mesh_rad_s",
+                "[0.02, 0.01, 1.0, 2.0]",
+                "calibration.self_heating[0].mesh_rad_s",
+            ),
             ("[calibration.nusselt]", "least_reynolds", "4000.0", "calibration.nusselt"),
         ] {
             let sentence = with(heading, key, value);
@@ -395,37 +406,14 @@ mod tests {
         }
     }
 
-    /// The fixture, which has the keys from before version 0.2, with today's.
-    fn renamed() -> TomlSource {
+    #[test]
+    fn errors_name_the_key_with_its_line() {
         let mut source = fixture();
-        for (old, new) in [
-            ("[[calibration.parts]]", "[[calibration.surfaces]]"),
-            ("[[calibration.own]]", "[[calibration.self_heating]]"),
-            ("[[calibration.cross]]", "[[calibration.cross_heating]]"),
-            ("windless_w_k", "quiescent_w_k"),
-        ] {
-            assert!(source.text.contains(old), "{old}");
-            source.text = source.text.replace(old, new);
-        }
-        source
-    }
-
-    #[test]
-    fn a_head_is_read_with_old_keys_and_with_todays() {
-        let calibration = |source: TomlSource| Head::from_source(source).unwrap().calibration.unwrap();
-        assert_eq!(calibration(fixture()), calibration(renamed()));
-    }
-
-    #[test]
-    fn errors_name_the_key_as_the_file_has_it_with_its_line() {
-        for (mut source, key) in [(fixture(), "calibration.parts[0].gain"), (renamed(), "calibration.surfaces[0].gain")]
-        {
-            let at = source.text.find("\ngain = ").unwrap() + 1;
-            let end = at + source.text[at..].find('\n').unwrap();
-            source.text.replace_range(at..end, "gain = 0.0");
-            let line = 1 + source.text[..at].matches('\n').count();
-            let sentence = Head::from_source(source).unwrap_err().to_string();
-            assert!(sentence.contains(&format!("line {line}: `{key}` is 0")), "{sentence}");
-        }
+        let at = source.text.find("\ngain = ").unwrap() + 1;
+        let end = at + source.text[at..].find('\n').unwrap();
+        source.text.replace_range(at..end, "gain = 0.0");
+        let line = 1 + source.text[..at].matches('\n').count();
+        let sentence = Head::from_source(source).unwrap_err().to_string();
+        assert!(sentence.contains(&format!("line {line}: `calibration.surfaces[0].gain` is 0")), "{sentence}");
     }
 }

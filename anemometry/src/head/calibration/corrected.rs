@@ -2,11 +2,10 @@
 
 use dr_core::wind::slow_errors::SurfaceCorrection;
 use dr_core::wind::sphere::SECTORS;
-use recording::toml_file::FileError;
+use recording::toml_file::{FileError, TomlSource};
 
 use super::checked::Calibration;
 use super::correction::{CorrectionTable, SurfaceCorrectionTable};
-use super::keys::CalibrationKeys;
 use super::table::CalibrationTable;
 use crate::head::file::Head;
 
@@ -39,18 +38,18 @@ impl Calibration {
     }
 
     /// Whether the corrections are of this calibration's four surfaces, and can be.
-    pub(super) fn check_correction(&self, keys: CalibrationKeys<'_>) -> Result<(), FileError> {
+    pub(super) fn check_correction(&self, source: &TomlSource) -> Result<(), FileError> {
         let Some(correction) = &self.table.correction else { return Ok(()) };
         if self.table.surfaces.len() != SECTORS || self.table.card.is_some() {
             let sentence = "belongs to heads of four surfaces round a body: this one has another form";
-            return Err(keys.refuse("calibration.correction", sentence));
+            return Err(source.refuse("calibration.correction", sentence));
         }
         let names = |of: &[String]| format!("`{}`", of.join("`, `"));
         let own: Vec<String> = self.table.surfaces.iter().map(|of| of.element.clone()).collect();
         let its: Vec<String> = correction.surfaces.iter().map(|of| of.element.clone()).collect();
         if own != its {
             let sentence = format!("must have the calibration's surfaces in its order, {}", names(&own));
-            return Err(keys.refuse("calibration.correction", sentence));
+            return Err(source.refuse("calibration.correction", sentence));
         }
         for (i, of) in correction.surfaces.iter().enumerate() {
             let key = format!("calibration.correction.surfaces[{i}]");
@@ -60,10 +59,10 @@ impl Calibration {
                 ("gain_change", of.gain_change, -0.9, 9.0, ""),
                 ("gain_change_u", of.gain_change_u, 0.0, 9.0, ""),
             ] {
-                keys.within(&format!("{key}.{name}"), number, least..=most, unit)?;
+                source.within(&format!("{key}.{name}"), number, least..=most, unit)?;
             }
             let board = of.config().checked();
-            board.map(drop).map_err(|error| keys.refuse(&key, format!("cannot be used: {error}")))?;
+            board.map(drop).map_err(|error| source.refuse(&key, format!("cannot be used: {error}")))?;
         }
         Ok(())
     }
@@ -73,7 +72,6 @@ impl Calibration {
 mod tests {
     use super::*;
     use dr_core::wind::WindCommand;
-    use recording::toml_file::TomlSource;
 
     fn sphere_b() -> Head {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/fixtures/sphere-b-calibrated.toml");

@@ -14,10 +14,6 @@
 //! | `[[calibration.self_heating]]` | `element`, `rest_c`, `noise_k` (low and high level), `mesh_rad_s`, `r_k_per_w`, `surface` (m_k, for an element that the wind cools) |
 //! | `[[calibration.cross_heating]]` | `from`, `to`, `mesh_rad_s`, `r_k_per_w`, `surface` |
 //!
-//! Heads from before version 0.2 say `parts`, `own`, `cross` and `windless_w_k` instead of
-//! `surfaces`, `self_heating`, `cross_heating` and `quiescent_w_k`; they are read, and errors name
-//! the key as the file has it.
-//!
 //! It holds for the gas's species, and for the temperature of the support of the identification;
 //! see [`dr_core::wind::anemometer`] and [`dr_core::model::convection_observer`] for what the
 //! numbers do.
@@ -25,7 +21,6 @@
 //! | file | holds |
 //! |---|---|
 //! | [`table`] | the tables as they are written |
-//! | `keys` | lines of keys, in either spelling |
 //! | `checks` | what is refused |
 //! | [`checked`] | a checked calibration |
 //! | `ageing` | its day, version, and a scale of its speed |
@@ -44,7 +39,6 @@ pub mod conditions;
 mod corrected;
 pub mod correction;
 mod differences;
-pub(super) mod keys;
 mod new;
 pub mod table;
 

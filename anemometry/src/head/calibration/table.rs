@@ -65,13 +65,13 @@ pub struct CalibrationTable {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub correction: Option<CorrectionTable>,
     /// Surfaces, in the head's order.
-    #[serde(default, alias = "parts")]
+    #[serde(default)]
     pub surfaces: Vec<SurfaceTable>,
     /// Self-heating of the quiescent-gas network.
-    #[serde(default, alias = "own")]
+    #[serde(default)]
     pub self_heating: Vec<SelfHeatingParameters>,
     /// Cross-heating of the quiescent-gas network.
-    #[serde(default, alias = "cross")]
+    #[serde(default)]
     pub cross_heating: Vec<CrossHeatingParameters>,
 }
 
@@ -229,7 +229,6 @@ pub struct SurfaceTable {
     /// Factor of its convective loss.
     pub gain: f64,
     /// Conductance in quiescent gas at the reference, W/K.
-    #[serde(alias = "windless_w_k")]
     pub quiescent_w_k: f64,
 }
 

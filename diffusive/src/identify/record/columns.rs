@@ -65,8 +65,7 @@ impl<'a> FileColumns<'a> {
     /// The column of that name, or of the element of that name.
     pub(super) fn named(&self, name: &str, prefixes: &[&str]) -> Result<usize, RecordError> {
         let of_element = || prefixes.iter().find_map(|prefix| self.position(&recording::column_name(prefix, name)));
-        let of_format_1 = || self.position(&recording::current_name(name));
-        self.position(name).or_else(of_element).or_else(of_format_1).ok_or_else(|| {
+        self.position(name).or_else(of_element).ok_or_else(|| {
             let columns = self.names.iter().map(String::as_str);
             let elements =
                 columns.clone().filter_map(|column| prefixes.iter().find_map(|part| column.strip_prefix(part)));
