@@ -6,7 +6,6 @@
 
 mod bench;
 mod file;
-mod influx;
 mod live_page;
 mod mqtt;
 mod nmea;
