@@ -24,7 +24,6 @@ mod check;
 mod choice;
 mod columns;
 mod combine;
-mod convert;
 mod design;
 mod example;
 mod export;
@@ -144,7 +143,6 @@ enum Subcommands {
     Plot(plot::Arguments),
     Example(example::Arguments),
     Export(export::Arguments),
-    Convert(convert::Arguments),
     Reduce(reduce::Arguments),
     Analyse(analyse::Arguments),
     Predict(predict::Arguments),
@@ -257,7 +255,6 @@ fn execute(command: &Subcommands) -> Result<(), output::Failure> {
         Subcommands::Plot(arguments) => plot::execute(arguments),
         Subcommands::Example(arguments) => example::execute(arguments),
         Subcommands::Export(arguments) => export::execute(arguments),
-        Subcommands::Convert(arguments) => convert::execute(arguments),
         Subcommands::Reduce(arguments) => reduce::execute(arguments),
         Subcommands::Analyse(arguments) => analyse::execute(arguments),
         Subcommands::Predict(arguments) => predict_device::execute(arguments),

@@ -4,7 +4,6 @@
 //! |---|---|
 //! | [`feed`] | rows and events, from the run to everybody who listens |
 //! | [`commands`] | what a listener may ask of the run |
-//! | [`mod@file`] | recordings as TOA5, NetCDF and MATLAB's files |
 //! | [`mod@format`] | rows as NMEA 0183, Gill's strings, MQTT messages |
 //! | [`output`] | one thread an address: UDP, TCP, serial ports, MQTT, SCPI |
 //! | [`target`] | addresses as a user writes them |
@@ -15,7 +14,6 @@
 
 pub mod commands;
 pub mod feed;
-pub mod file;
 pub mod format;
 pub mod listen;
 pub mod output;

@@ -5,7 +5,6 @@
 //! environment.
 
 mod bench;
-mod file;
 mod live_page;
 mod mqtt;
 mod nmea;
