@@ -58,6 +58,7 @@ mod predict_device;
 mod program;
 mod progress;
 mod publish_options;
+mod record;
 mod recorded;
 mod recover;
 mod reduce;
@@ -230,7 +231,7 @@ pub fn main_of(words: Vec<String>) -> u8 {
 /// Does what a subcommand asks for.
 fn execute(command: &Subcommands) -> Result<(), output::Failure> {
     match command {
-        Subcommands::Run(arguments) => run_device::execute(arguments),
+        Subcommands::Run(arguments) => run::execute(arguments),
         Subcommands::Sweep(arguments) => sweep::execute(arguments, refusal),
         Subcommands::Log(arguments) => log::execute(arguments),
         Subcommands::Mark(arguments) => mark::execute(arguments),
