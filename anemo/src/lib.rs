@@ -24,7 +24,6 @@ mod check;
 mod choice;
 mod columns;
 mod combine;
-mod convert;
 mod design;
 mod example;
 mod export;
@@ -59,6 +58,7 @@ mod predict_device;
 mod program;
 mod progress;
 mod publish_options;
+mod record;
 mod recorded;
 mod recover;
 mod reduce;
@@ -142,7 +142,6 @@ enum Subcommands {
     Plot(plot::Arguments),
     Example(example::Arguments),
     Export(export::Arguments),
-    Convert(convert::Arguments),
     Reduce(reduce::Arguments),
     Analyse(analyse::Arguments),
     Predict(predict::Arguments),
@@ -212,7 +211,7 @@ pub fn main_of(words: Vec<String>) -> u8 {
 /// Does what a subcommand asks for.
 fn execute(command: &Subcommands) -> Result<(), output::Failure> {
     match command {
-        Subcommands::Run(arguments) => run_device::execute(arguments),
+        Subcommands::Run(arguments) => run::execute(arguments),
         Subcommands::Sweep(arguments) => sweep::execute(arguments, refusal),
         Subcommands::Log(arguments) => log::execute(arguments),
         Subcommands::Mark(arguments) => mark::execute(arguments),
@@ -236,7 +235,6 @@ fn execute(command: &Subcommands) -> Result<(), output::Failure> {
         Subcommands::Plot(arguments) => plot::execute(arguments),
         Subcommands::Example(arguments) => example::execute(arguments),
         Subcommands::Export(arguments) => export::execute(arguments),
-        Subcommands::Convert(arguments) => convert::execute(arguments),
         Subcommands::Reduce(arguments) => reduce::execute(arguments),
         Subcommands::Analyse(arguments) => analyse::execute(arguments),
         Subcommands::Predict(arguments) => predict_device::execute(arguments),

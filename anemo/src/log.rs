@@ -13,6 +13,7 @@ use crate::log_source::SourceArguments;
 use crate::output::{Failure, complain};
 use crate::progress::on_interrupt;
 use crate::publish_options::PublishArguments;
+use crate::record::SessionEnd;
 use host_sim::experiment::Experiment;
 use host_sim::run::log::{LogOptions, LogSummary, log};
 use publish::commands::channel;
@@ -197,15 +198,11 @@ fn end(mut host: Host, summary: &LogSummary) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The exit code.
+/// Verdict of a log: the cause of an early end counts more than a trip.
 pub fn verdict(summary: &LogSummary) -> Result<(), Failure> {
-    match (&summary.ended, &summary.last_trip) {
-        (Some(ended), _) => Err(Failure { code: 4, sentence: format!("the log ended early: {ended}") }),
-        (None, Some(trip)) => {
-            Err(Failure { code: 3, sentence: format!("the log was stopped and had tripped: {trip}") })
-        }
-        (None, None) => Ok(()),
-    }
+    let early = summary.ended.as_ref().map(|ended| format!("the log ended early: {ended}"));
+    let tripped = summary.last_trip.as_ref().map(|trip| format!("the log was stopped and had tripped: {trip}"));
+    crate::record::verdict([early.map(SessionEnd::Early), tripped.map(SessionEnd::Tripped)])
 }
 
 /// How a log begins.

@@ -9,9 +9,10 @@ use crate::progress::on_interrupt;
 use crate::recorded::RecordingOutputs;
 use dielectric::experiment::DeviceExperiment;
 use dielectric::predict::{DevicePredictError, predict};
-use dielectric::run::{DeviceRunError, layout, metadata, phases_of};
+use dielectric::run::{layout, metadata, phases_of};
 use diffusive::model::Model;
 use diffusive::predict::closed::LoopStart;
+use host_sim::run::RunError;
 use recording::{Recording, WriterOptions};
 
 /// An experiment on a head, or on a device.
@@ -40,7 +41,7 @@ fn predict_of_device(arguments: &Arguments, experiment: &DeviceExperiment) -> Re
     let interrupted = on_interrupt();
     let predicted = predict(&model, experiment, &mut |row| {
         rows.push(row)?;
-        if interrupted.load(Ordering::Relaxed) { Err(DeviceRunError::Interrupted) } else { Ok(()) }
+        if interrupted.load(Ordering::Relaxed) { Err(RunError::Interrupted) } else { Ok(()) }
     });
     let mut report = predicted.map_err(|error| match error {
         DevicePredictError::Model(error) => Failure::in_file(&arguments.model, error),

@@ -16,8 +16,8 @@ use recording::head_mounting::HeadMounting;
 
 #[derive(clap::Args)]
 pub struct PublishArguments {
-    /// Send rows to other programs: nmea+udp://HOST:PORT, gill+tcp:, influx+http:, mqtt:, scpi:, or
-    /// a .toml file of such addresses. May be repeated.
+    /// Send rows to other programs: nmea+udp://HOST:PORT, gill+tcp:, mqtt:, scpi:, or a .toml
+    /// file of such addresses. May be repeated.
     #[arg(long, value_name = "ADDRESS|FILE")]
     publish: Vec<String>,
     /// Serve the live page at this port, 0 for any that is free, and print its address.

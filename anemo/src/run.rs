@@ -1,18 +1,15 @@
 //! `anemo run`: an experiment on an instrument.
 
 use std::path::PathBuf;
-use std::sync::atomic::Ordering;
-use std::time::Instant;
 
 use crate::board::{InstrumentArguments, On};
-use crate::live_table::LiveTable;
 use crate::output::Failure;
 use crate::picture::PictureArguments;
-use crate::progress::on_interrupt;
-use crate::recorded::RecordingOutputs;
+use crate::record::{SessionEnd, SessionOutcome, SessionPlan, record};
+use crate::run_device;
 use host_sim::experiment::Experiment;
-use host_sim::run::{RunError, RunSummary, TripSummary, layout, metadata, outcome, run};
-use recording::{RecordingLayout, SegmentLength, WriterOptions};
+use host_sim::run::{RunSummary, TripSummary, layout, metadata, outcome, run};
+use recording::{RecordingLayout, SegmentLength};
 
 /// Run an experiment and record it.
 ///
@@ -53,62 +50,43 @@ pub struct Arguments {
     pub(super) json: bool,
 }
 
+/// Runs an experiment on a head or on a device.
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let (experiment, _) = crate::output::read_experiment(&arguments.experiment, arguments.instrument.on.board())?;
+    match run_device::experiment_of(&arguments.experiment)? {
+        Some(experiment) => run_device::execute(arguments, &experiment),
+        None => run_on_head(arguments),
+    }
+}
+
+fn run_on_head(arguments: &Arguments) -> Result<(), Failure> {
+    let on = &arguments.instrument.on;
+    let (experiment, _) = crate::output::read_experiment(&arguments.experiment, on.board())?;
     crate::output::note_corrections(&experiment.head);
     experiment.differences().iter().for_each(|difference| crate::output::warn(difference));
-    let simulated = !matches!(arguments.instrument.on, On::Serial(_));
-    let layout = layout_on(&experiment, &arguments.instrument.on);
-    let known = metadata(&experiment, &layout, &instrument_name(&arguments.instrument.on));
-    // What is simulated can be run again; what is measured cannot.
-    let options = WriterOptions {
-        has_journal: !simulated,
-        segment: arguments.segment,
-        has_utc: !simulated,
-        ..WriterOptions::default()
+    let layout = layout_on(&experiment, on);
+    let plan = SessionPlan {
+        title: experiment.title.clone(),
+        elements: experiment.head.names().into_iter().map(str::to_owned).collect(),
+        mounting: experiment.head.mounting_or_north(),
+        ticks: experiment.ticks,
+        sample_period_s: Some(experiment.sample_period_s),
+        metadata: metadata(&experiment, &layout, &instrument_name(on)),
+        layout,
+        is_simulated: !matches!(on, On::Serial(_)),
     };
-    let mut recorded =
-        RecordingOutputs::create(arguments.output.as_deref(), &arguments.picture, layout, &known, &options)?;
-    let interrupted = on_interrupt();
-    let instrument = arguments.instrument.open(Some(&arguments.experiment), || Ok(experiment.sensor()?))?;
-    let names = experiment.head.names().into_iter().map(str::to_owned).collect();
-    let mounting = experiment.head.mounting_or_north();
-    let mut table = LiveTable::new(&experiment.title, names, Some(experiment.ticks.into()), mounting);
-    let (start, mut rows) = (Instant::now(), 0_u64);
-    let summary = run(&experiment, instrument, &mut |row| {
-        recorded.push(row)?;
-        rows += 1;
-        let due = (row.time_s / experiment.sample_period_s).round() as u64 + 1;
-        table.push(row, due.saturating_sub(rows));
-        if interrupted.load(Ordering::Relaxed) { Err(RunError::Interrupted) } else { Ok(()) }
-    });
-    drop(table);
-    let summary = match summary {
-        Ok(summary) => summary,
-        Err(RunError::Recording(error)) => return Err(recorded.rescue(error)),
-        Err(error) => return Err(error.into()),
-    };
-    let wall_s = start.elapsed().as_secs_f64();
-
-    recorded.finish(&outcome(&summary))?;
-    let computed_s = simulated.then_some((wall_s, summary.duration_s));
-    crate::output::print_run(&summary, computed_s, arguments.json)?;
-    verdict(&summary)
+    let open = || arguments.instrument.open(Some(&arguments.experiment), || Ok(experiment.sensor()?));
+    record(arguments, plan, open, |instrument, sink| run(&experiment, instrument, sink), outcome_of)
 }
 
-/// A run that tripped or ended early has its own exit code; what was recorded is kept.
-fn verdict(summary: &RunSummary) -> Result<(), Failure> {
-    if let Some(trip) = summary.trips.first() {
-        let TripSummary { time_s, cause, element } = trip;
-        return Err(Failure { code: 3, sentence: format!("the run tripped at {time_s} s: {cause}, {element}") });
-    }
-    match &summary.ended {
-        Some(ended) => Err(Failure { code: 4, sentence: format!("the run ended early: {ended}") }),
-        None => Ok(()),
-    }
+fn outcome_of(summary: &RunSummary) -> SessionOutcome {
+    let trip =
+        |TripSummary { time_s, cause, element }: &_| format!("the run tripped at {time_s} s: {cause}, {element}");
+    let early = summary.ended.as_ref().map(|ended| format!("the run ended early: {ended}"));
+    let ends = [summary.trips.first().map(trip).map(SessionEnd::Tripped), early.map(SessionEnd::Early)];
+    SessionOutcome { metadata: outcome(summary), duration_s: summary.duration_s, ends }
 }
 
-/// What the rows of an experiment consist of on this instrument.
+/// Columns of an experiment's rows on this instrument.
 pub(super) fn layout_on(experiment: &Experiment, on: &On) -> RecordingLayout {
     let layout = layout(experiment, !matches!(on, On::Serial(_)));
     RecordingLayout { gas: layout.gas && *on != On::Silicon, ..layout }

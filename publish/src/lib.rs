@@ -4,18 +4,16 @@
 //! |---|---|
 //! | [`feed`] | rows and events, from the run to everybody who listens |
 //! | [`commands`] | what a listener may ask of the run |
-//! | [`mod@file`] | recordings as TOA5, NetCDF and MATLAB's files |
-//! | [`mod@format`] | rows as NMEA 0183, Gill's strings, InfluxDB's lines, MQTT messages |
-//! | [`output`] | one thread an address: UDP, TCP, serial ports, HTTP, MQTT, SCPI |
+//! | [`mod@format`] | rows as NMEA 0183, Gill's strings, MQTT messages |
+//! | [`output`] | one thread an address: UDP, TCP, serial ports, MQTT, SCPI |
 //! | [`target`] | addresses as a user writes them |
 //! | [`listen`] | the only place that opens sockets |
 //! | [`page`] | the live page, for a browser |
 //!
-//! The feature `tls` adds encrypted connections, with 12 packages for MQTT and 12 more for HTTP.
+//! The feature `tls` adds encrypted connections of MQTT, with 12 packages.
 
 pub mod commands;
 pub mod feed;
-pub mod file;
 pub mod format;
 pub mod listen;
 pub mod output;

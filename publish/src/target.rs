@@ -2,15 +2,14 @@
 //!
 //! | address | what it does |
 //! |---|---|
-//! | `nmea+udp://HOST:PORT`, `gill+udp:`, `gill-uv+udp:`, `influx+udp:` | sends datagrams |
+//! | `nmea+udp://HOST:PORT`, `gill+udp:`, `gill-uv+udp:` | sends datagrams |
 //! | `nmea+tcp://HOST:PORT`, `gill+tcp:`, `gill-uv+tcp:` | listens; who connects gets every line |
 //! | `nmea+serial:/dev/ttyUSB0?baud=4800`, `gill+serial:`, `gill-uv+serial:` | writes to a port |
-//! | `influx+http://HOST:PORT/write?db=NAME`, `influx+https:` | posts lines |
 //! | `mqtt://[USER:PASSWORD@]HOST[:PORT]`, `mqtts:` | sends messages to a broker |
 //! | `scpi://HOST[:PORT]` | listens and answers |
 //!
-//! `every=SECONDS` behind a question mark is the least time from one row to the next: 1 for Influx
-//! and MQTT, which keep what they get, 0 (every row with a wind estimate) for the others.
+//! `every=SECONDS` after a question mark is the least time from one row to the next: 1 for MQTT, 0
+//! (every row with a wind estimate) for the others.
 
 use recording::toml_file::{FileError, TomlSource};
 use serde::Deserialize;
@@ -32,7 +31,7 @@ pub struct PublishTarget {
     pub(crate) ca_file: Option<PathBuf>,
 }
 
-/// Who logs in at a broker or a database.
+/// Login at a broker.
 #[derive(Clone, PartialEq)]
 pub(crate) struct PublishLogin {
     pub(crate) user: String,
@@ -45,7 +44,6 @@ pub(crate) enum PublishFormat {
     Nmea,
     GillPolar,
     GillUv,
-    Influx,
     Mqtt,
     Scpi,
 }
@@ -59,8 +57,6 @@ pub(crate) enum PublishWay {
     Listener(String),
     /// A serial port.
     Serial { device: String, baud: u32 },
-    /// Requests to this address.
-    Http(String),
     /// A connection to `host:port`.
     Connection { host: String, port: u16, is_encrypted: bool },
 }
@@ -82,7 +78,7 @@ pub enum TargetError {
     File(#[from] FileError),
 }
 
-const KNOWN: &str = "nmea+udp, nmea+tcp, nmea+serial (the same with gill and gill-uv), influx+udp, influx+http, influx+https, mqtt, mqtts or scpi";
+const KNOWN: &str = "nmea+udp, nmea+tcp, nmea+serial (the same with gill and gill-uv), mqtt, mqtts or scpi";
 
 impl PublishTarget {
     /// Whether it is told of nothing but the wind.
@@ -109,8 +105,6 @@ impl FromStr for PublishTarget {
             ("nmea", "udp" | "tcp" | "serial") => (PublishFormat::Nmea, Some(10_110)),
             ("gill", "udp" | "tcp" | "serial") => (PublishFormat::GillPolar, None),
             ("gill-uv", "udp" | "tcp" | "serial") => (PublishFormat::GillUv, None),
-            ("influx", "udp") => (PublishFormat::Influx, Some(8_089)),
-            ("influx", "http" | "https") => (PublishFormat::Influx, None),
             ("mqtt", "") => (PublishFormat::Mqtt, Some(1_883)),
             ("mqtts", "") => (PublishFormat::Mqtt, Some(8_883)),
             ("scpi", "") => (PublishFormat::Scpi, Some(5_025)),
@@ -122,10 +116,6 @@ impl FromStr for PublishTarget {
             (_, "serial") => {
                 let baud = options.baud.take().unwrap_or(if format == PublishFormat::Nmea { 4_800 } else { 9_600 });
                 PublishWay::Serial { device: place.to_owned(), baud }
-            }
-            (_, "http" | "https") => {
-                host_and_port(&name, place.split('/').next().unwrap_or_default(), Some(80))?;
-                PublishWay::Http(format!("{way}://{place}{}", options.rest()))
             }
             _ => {
                 let (host, port) = host_and_port(&name, place, port)?;
@@ -143,7 +133,7 @@ impl FromStr for PublishTarget {
             }
         };
         options.all_used(&name)?;
-        let default_s = if matches!(format, PublishFormat::Influx | PublishFormat::Mqtt) { 1.0 } else { 0.0 };
+        let default_s = if format == PublishFormat::Mqtt { 1.0 } else { 0.0 };
         Ok(Self { every_s: options.every_s.unwrap_or(default_s), name, format, way, login, ca_file: None })
     }
 }
@@ -183,8 +173,8 @@ fn host_and_port(name: &str, place: &str, port: Option<u16>) -> Result<(String, 
 struct TargetOptions<'a> {
     every_s: Option<f64>,
     baud: Option<u32>,
-    /// What is somebody else's.
-    others: Vec<&'a str>,
+    /// First option of another name.
+    unknown: Option<&'a str>,
 }
 
 impl<'a> TargetOptions<'a> {
@@ -206,20 +196,14 @@ impl<'a> TargetOptions<'a> {
                     once(options.baud.is_none())?;
                     options.baud = Some(baud.parse().map_err(|_| wrong("speed of a serial port"))?);
                 }
-                _ => options.others.push(option),
+                _ => options.unknown = options.unknown.or(Some(option)),
             }
         }
         Ok(options)
     }
 
-    /// What an address of HTTP keeps.
-    fn rest(&mut self) -> String {
-        let others = std::mem::take(&mut self.others);
-        if others.is_empty() { String::new() } else { format!("?{}", others.join("&")) }
-    }
-
     fn all_used(&self, name: &str) -> Result<(), TargetError> {
-        let unknown = self.others.first().copied().or(self.baud.map(|_| "baud"));
+        let unknown = self.unknown.or(self.baud.map(|_| "baud"));
         unknown.map_or(Ok(()), |option| {
             Err(TargetError::Option(name.to_owned(), format!("`{option}` is no option of it; `every=SECONDS` is")))
         })
@@ -312,17 +296,13 @@ mod tests {
             ("scpi://127.0.0.1", PublishWay::Listener("127.0.0.1:5025".to_owned())),
             ("nmea+serial:/dev/ttyUSB0", PublishWay::Serial { device: "/dev/ttyUSB0".to_owned(), baud: 4_800 }),
             ("gill-uv+serial:COM3?baud=19200", PublishWay::Serial { device: "COM3".to_owned(), baud: 19_200 }),
-            (
-                "influx+http://localhost:8086/write?db=wind&every=10&precision=ns",
-                PublishWay::Http("http://localhost:8086/write?db=wind&precision=ns".to_owned()),
-            ),
             ("mqtt://broker", PublishWay::Connection { host: "broker".to_owned(), port: 1_883, is_encrypted: false }),
             ("mqtts://[::1]", PublishWay::Connection { host: "::1".to_owned(), port: 8_883, is_encrypted: true }),
         ];
         for (address, way) in ways {
             assert_eq!(target(address).way, way, "{address}");
         }
-        assert_eq!(target("influx+http://localhost:8086/write?db=wind&every=10").every_s, 10.0);
+        assert_eq!(target("mqtt://broker?every=10").every_s, 10.0);
         assert_eq!((target("mqtt://broker").every_s, target("nmea+udp://b").every_s), (1.0, 0.0));
     }
 
@@ -336,8 +316,7 @@ mod tests {
         assert_eq!(refusal("mqtt://localhost:x"), "`mqtt://localhost:x` lacks a port: 1 … 65535");
         assert_eq!(refusal("mqtt://:1883"), "`mqtt://:1883` lacks a host");
         assert_eq!(refusal("mqtt://localhost:0"), "`mqtt://localhost:0` lacks a port: 1 … 65535");
-        assert_eq!(refusal("influx+http:///write?db=wind"), "`influx+http:///write` lacks a host");
-        assert_eq!(refusal("influx+http://x:99999/"), "`influx+http://x:99999/` lacks a port: 1 … 65535");
+        assert_eq!(refusal("mqtt://x:99999"), "`mqtt://x:99999` lacks a port: 1 … 65535");
         assert_eq!(refusal("nmea+serial:"), "`nmea+serial:` lacks a device");
         for wrong in ["every=-1", "every=nan", "every=1e9", "every=1&every=2", "evry=1", "baud=9600"] {
             assert!(refusal(&format!("mqtt://localhost?{wrong}")).starts_with("`mqtt://localhost`: "), "{wrong}");

@@ -4,7 +4,7 @@
 use clap::{Arg, ArgAction, Command};
 
 /// Commands that work on files and models, what they are called in Python, and what they give.
-const FUNCTIONS: [(&str, &str, &str); 21] = [
+const FUNCTIONS: [(&str, &str, &str); 20] = [
     ("identify", "identify", "Model"),
     ("gram", "gram", "Report"),
     ("validate", "validate", "Report"),
@@ -18,7 +18,6 @@ const FUNCTIONS: [(&str, &str, &str); 21] = [
     ("check", "check", "Report"),
     ("run", "simulate", "Table"),
     ("plot", "plot", "Report"),
-    ("convert", "convert", "Report"),
     ("head identify", "identify_head", "Network"),
     ("head check", "check_head", "Report"),
     ("head compare", "compare_heads", "Report"),

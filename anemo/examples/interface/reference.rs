@@ -25,8 +25,8 @@ const PAGES: [Page; 6] = [
     Page {
         file: "command-line-recordings.md",
         kind: "recordings",
-        about: "Close, convert and draw recordings.",
-        commands: &["recover", "convert", "plot"],
+        about: "Close and draw recordings.",
+        commands: &["recover", "plot"],
     },
     Page {
         file: "command-line-models.md",

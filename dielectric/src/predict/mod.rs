@@ -17,7 +17,8 @@ pub use locking::{Plateau, ResponsePart, SymbolResponse};
 pub use report::{DevicePrediction, HeldPhase};
 
 use crate::experiment::DeviceExperiment;
-use crate::run::{DeviceRunError, DeviceTrip, run};
+use crate::run::{DeviceTrip, run};
+use host_sim::run::RunError;
 use modelled::{ModelledDevice, SymbolInputs};
 
 /// Longest stream of a plateau that is looked for, symbols.
@@ -39,7 +40,7 @@ pub enum DevicePredictError {
     Model(#[from] ModelError),
     /// The run on the model failed.
     #[error(transparent)]
-    Run(#[from] DeviceRunError),
+    Run(#[from] RunError),
 }
 
 /// Predicts an experiment; `sink` gets every row, as a run's.
@@ -49,7 +50,7 @@ pub enum DevicePredictError {
 pub fn predict(
     model: &Model,
     experiment: &DeviceExperiment,
-    sink: &mut dyn FnMut(&RecordingRow) -> Result<(), DeviceRunError>,
+    sink: &mut dyn FnMut(&RecordingRow) -> Result<(), RunError>,
 ) -> Result<DevicePrediction, DevicePredictError> {
     let inputs = SymbolInputs::of(model)?;
     let symbol_time_s = experiment.shape.symbol_time_s;

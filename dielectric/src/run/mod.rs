@@ -8,7 +8,6 @@
 //!
 //! However a run ends, the port has had to go to 0 V before anything else is reported.
 
-mod error;
 mod octaves;
 mod row;
 mod summary;
@@ -17,16 +16,16 @@ use dr_core::Command;
 use dr_core::control::{Refusal, RunState};
 use dr_core::sensor::Reading;
 use host_sim::instrument::{InstrumentError, LockStepController};
+use host_sim::run::RunError;
 use recording::{Recording, RecordingError, RecordingRow, SYMBOL, VOLTAGE_SHIFT, column_name};
 
-pub use error::DeviceRunError;
 pub use octaves::{StreamOctave, octaves};
 pub use row::{layout, metadata};
 pub use summary::{DeviceEnd, DeviceRunSummary, DeviceTrip, PhaseSummary};
 
 use crate::device::Device;
 use crate::experiment::DeviceExperiment;
-use crate::port::{DevicePort, SymbolReadings};
+use crate::port::{DevicePort, PortError, SymbolReadings};
 use crate::symbol::ChargeSymbol;
 use row::DeviceRow;
 use summary::DeviceStatistics;
@@ -44,8 +43,8 @@ pub fn run(
     experiment: &DeviceExperiment,
     mut controller: Box<dyn LockStepController>,
     port: &mut dyn DevicePort,
-    sink: &mut dyn FnMut(&RecordingRow) -> Result<(), DeviceRunError>,
-) -> Result<DeviceRunSummary, DeviceRunError> {
+    sink: &mut dyn FnMut(&RecordingRow) -> Result<(), RunError>,
+) -> Result<DeviceRunSummary, RunError> {
     let mut statistics = DeviceStatistics::new(experiment, &controller.identity().firmware);
     let outcome = start(experiment, controller.as_mut())
         .and_then(|()| conduct(experiment, controller.as_mut(), port, &mut statistics, sink));
@@ -53,10 +52,11 @@ pub fn run(
     let hash = controller.digest();
     let finished = controller.finish();
     let ended = match outcome {
-        Ok(()) => None,
-        Err(error @ (DeviceRunError::Recording(_) | DeviceRunError::File(_))) => return Err(error),
+        Ok(None) => None,
+        Ok(Some(error)) if statistics.rows() == 0 => return Err(InstrumentError::Unusable(error.to_string()).into()),
+        Ok(Some(error)) => Some(DeviceEnd { why: error.sentence, released: error.is_released }),
+        Err(error @ (RunError::Recording(_) | RunError::Refused(_))) => return Err(error),
         Err(error) if statistics.rows() == 0 => return Err(error),
-        Err(DeviceRunError::Port(error)) => Some(DeviceEnd { why: error.sentence, released: error.is_released }),
         Err(error) => Some(DeviceEnd { why: error.to_string(), released: true }),
     };
     let ended = match (ended, released, finished) {
@@ -85,7 +85,7 @@ pub fn phases_of(experiment: &DeviceExperiment, recording: &Recording) -> Result
 }
 
 /// Brings the controller from whatever it does to running this experiment.
-fn start(experiment: &DeviceExperiment, controller: &mut dyn LockStepController) -> Result<(), DeviceRunError> {
+fn start(experiment: &DeviceExperiment, controller: &mut dyn LockStepController) -> Result<(), RunError> {
     let setup = experiment.setup()?;
     for command in [Command::Stop, Command::Clear].into_iter().chain(setup) {
         controller.command(command).map_err(|error| refused(experiment, "device", error))?;
@@ -97,7 +97,7 @@ fn start(experiment: &DeviceExperiment, controller: &mut dyn LockStepController)
 }
 
 /// A refusal with the key of the file where the user can do something about it.
-fn refused(experiment: &DeviceExperiment, key: &str, error: InstrumentError) -> DeviceRunError {
+fn refused(experiment: &DeviceExperiment, key: &str, error: InstrumentError) -> RunError {
     match error {
         InstrumentError::Refused(refusal @ (Refusal::Invalid { .. } | Refusal::Unreachable { .. })) => {
             experiment.source.refuse(key, format!("is refused by the controller: {refusal}")).into()
@@ -106,13 +106,14 @@ fn refused(experiment: &DeviceExperiment, key: &str, error: InstrumentError) -> 
     }
 }
 
+/// Rows until the end, or until the port fails.
 fn conduct(
     experiment: &DeviceExperiment,
     controller: &mut dyn LockStepController,
     port: &mut dyn DevicePort,
     statistics: &mut DeviceStatistics,
-    sink: &mut dyn FnMut(&RecordingRow) -> Result<(), DeviceRunError>,
-) -> Result<(), DeviceRunError> {
+    sink: &mut dyn FnMut(&RecordingRow) -> Result<(), RunError>,
+) -> Result<Option<PortError>, RunError> {
     let mut phases = experiment.phases.iter().skip(1).peekable();
     // Nothing has been applied yet.
     let mut readings: SymbolReadings = [None; 2];
@@ -136,11 +137,14 @@ fn conduct(
         }
         if let RunState::Tripped(trip) = sample.state {
             statistics.trip(experiment.time_s(tick), trip);
-            return Ok(());
+            break;
         }
-        readings = port.apply(symbol, &experiment.shape)?;
+        readings = match port.apply(symbol, &experiment.shape) {
+            Ok(readings) => readings,
+            Err(error) => return Ok(Some(error)),
+        };
     }
-    Ok(())
+    Ok(None)
 }
 
 /// A reading as the controller takes it: a code, or that there is none.

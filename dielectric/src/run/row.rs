@@ -2,12 +2,12 @@
 
 use dr_core::control::{RunState, Trip};
 use host_sim::instrument::TickSample;
+use host_sim::run::RunError;
 use recording::{
     BITS, Metadata, OFFSET_CAPACITANCE, RecordingLayout, RecordingRow, SYMBOL, SYMBOL_CAPACITANCE,
     TRUE_OFFSET_CAPACITANCE, TRUE_VOLTAGE_SHIFT, VOLTAGE_SHIFT, column_name,
 };
 
-use super::error::DeviceRunError;
 use crate::experiment::DeviceExperiment;
 use crate::port::{DeviceTruth, SymbolReadings};
 use crate::symbol::ChargeSymbol;
@@ -82,8 +82,8 @@ impl DeviceRow {
         &self,
         experiment: &DeviceExperiment,
         tick: u32,
-        sink: &mut dyn FnMut(&RecordingRow) -> Result<(), DeviceRunError>,
-    ) -> Result<(), DeviceRunError> {
+        sink: &mut dyn FnMut(&RecordingRow) -> Result<(), RunError>,
+    ) -> Result<(), RunError> {
         let state = match self.state {
             RunState::Standby => "standby".to_owned(),
             RunState::Testing => "testing".to_owned(),

@@ -112,7 +112,7 @@ fn whatever_ends_a_run_the_device_is_released_and_the_rows_are_kept() {
     let mut rows = 0;
     let interrupted = run(&experiment, Box::new(InProcess::new()), &mut port, &mut |_| {
         rows += 1;
-        if rows == 7 { Err(DeviceRunError::Interrupted) } else { Ok(()) }
+        if rows == 7 { Err(RunError::Interrupted) } else { Ok(()) }
     });
     assert_eq!(interrupted.unwrap().ended.unwrap().to_string(), "interrupted");
     assert_eq!(port.released, 1);

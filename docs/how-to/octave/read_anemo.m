@@ -2,36 +2,30 @@ function record = read_anemo(file)
 % READ_ANEMO  A recording of anemo as a struct of columns, in MATLAB or Octave.
 %
 %   record = read_anemo('run.csv')      a recording, or any table of anemo
-%   record = read_anemo('run.mat')      what `anemo convert run.parquet -o run.mat` has written
+%   record = read_anemo('run.mat')      what savemat of scipy has written
 %
 % record.time_s, record.power_w_sector1, ... are columns of numbers, NaN where a cell is empty.
-% record.event, record.state are cell arrays of text. Metadata is record.about, text by key: of a
-% .csv file all of it, of a .mat file start_utc.
+% record.event, record.state are cell arrays of text. Metadata is record.about, text by key; a .mat
+% file has none.
 
   if endsWith(file, '.mat')
-    record = words_of_codes(load(file));
+    record = doubles(load(file));
   elseif endsWith(file, '.csv')
     record = columns_of_text(file);
   else
-    error('read_anemo: %s is neither .csv nor .mat: anemo convert makes .mat of .parquet', file);
+    error('read_anemo: %s is neither .csv nor .mat: savemat of scipy makes .mat of .parquet', file);
   end
 end
 
-% The .mat file has text as numbers from 1 on, and the words that they mean.
-function record = words_of_codes(loaded)
-  record = struct('about', struct());
-  names = fieldnames(loaded);
+% Columns of 32 bit and of bits become double, as of a .csv file.
+function record = doubles(record)
+  names = fieldnames(record);
   for k = 1:numel(names)
-    name = names{k};
-    if endsWith(name, '_code')
-      words = cellstr(loaded.([name(1:end - 4) 'words']));
-      record.(name(1:end - 5)) = words(loaded.(name));
-    elseif ~ischar(loaded.(name))
-      record.(name) = loaded.(name);
-    elseif ~endsWith(name, '_words')
-      record.about.(name) = loaded.(name);
+    if isnumeric(record.(names{k}))
+      record.(names{k}) = double(record.(names{k}));
     end
   end
+  record.about = struct();
 end
 
 function record = columns_of_text(file)
@@ -43,7 +37,7 @@ function record = columns_of_text(file)
   names = strsplit(lines{1}, ',');
   cells = strsplit(strjoin(lines(2:end), ','), ',', 'CollapseDelimiters', false);
   if numel(cells) ~= numel(names) * (numel(lines) - 1)
-    error('read_anemo: %s has a comma in a cell, or rows of another length: convert it to .mat', file);
+    error('read_anemo: %s has a comma in a cell, or rows of another length: read it as .mat', file);
   end
   cells = reshape(cells, numel(names), [])';
   for k = 1:numel(names)

@@ -4,7 +4,6 @@
 
 pub mod gill;
 pub mod home_assistant;
-pub mod influx;
 pub mod nmea;
 mod numbers;
 

@@ -136,7 +136,7 @@ impl Publisher {
         let opened = match self.target.format {
             PublishFormat::Mqtt => mqtt::open(&self.target, &self.layout),
             PublishFormat::Scpi => scpi::open(&self.target, &self.layout, &self.context),
-            _ => text::open(&self.target, &self.layout, &self.context),
+            _ => text::open(&self.target, &self.context),
         };
         match opened {
             Ok(output) => {

@@ -30,12 +30,3 @@ fn certificates(ca_file: &Path) -> Result<Vec<CertificateDer<'static>>, PublishE
     let read = CertificateDer::pem_file_iter(ca_file).and_then(Iterator::collect);
     read.map_err(|error| PublishError::Refused(format!("{}: {error}", ca_file.display())))
 }
-
-/// What a request by HTTPS trusts: the authorities in `ca_file`, or those of the web.
-pub(super) fn of_requests(ca_file: Option<&Path>) -> Result<ureq::tls::TlsConfig, PublishError> {
-    let config = ureq::tls::TlsConfig::builder();
-    let Some(ca_file) = ca_file else { return Ok(config.build()) };
-    let trusted: Vec<_> =
-        certificates(ca_file)?.iter().map(|der| ureq::tls::Certificate::from_der(der).to_owned()).collect();
-    Ok(config.root_certs(ureq::tls::RootCerts::new_with_certs(&trusted)).build())
-}

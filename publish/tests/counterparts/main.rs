@@ -5,8 +5,6 @@
 //! environment.
 
 mod bench;
-mod file;
-mod influx;
 mod live_page;
 mod mqtt;
 mod nmea;

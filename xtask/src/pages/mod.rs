@@ -6,7 +6,7 @@
 //! | ```` ```console ```` | lines that begin with `$ ` are run by bash, continued by lines that begin with `> `; what follows is compared; `…` stands for any lines, or any text of a line |
 //! | ```` ```console fails ```` | the last command is expected to fail |
 //! | ```` ```console board ```` | needs a sensor board: its lines with `anemo` must parse |
-//! | ```` ```python ```` | is run by Python with duckdb, numpy, pandas and pyarrow |
+//! | ```` ```python ```` | is run by Python with duckdb, numpy, pandas, pyarrow, scipy and xarray |
 //! | `cargo …`, `git …` | is not run; jobs of `cargo xtask` must exist |
 //! | code in the text that begins with `anemo` | must parse, if it is a whole command or a name |
 //!

@@ -1,8 +1,8 @@
 //! What can fail.
 
 use dielectric::predict::DevicePredictError;
-use dielectric::run::DeviceRunError;
 use diffusive::identify::record::RecordError;
+use host_sim::run::RunError;
 use plot::PlotError;
 use recording::toml_file::FileError;
 
@@ -14,7 +14,7 @@ pub enum MemsError {
     File(#[from] FileError),
     /// A run failed.
     #[error(transparent)]
-    Run(#[from] DeviceRunError),
+    Run(#[from] RunError),
     /// A record cannot be identified.
     #[error(transparent)]
     Record(#[from] RecordError),

@@ -1,9 +1,10 @@
 //! A run of the simulated device, in memory.
 
 use dielectric::experiment::DeviceExperiment;
-use dielectric::run::{DeviceRunError, DeviceRunSummary, layout, metadata, run};
+use dielectric::run::{DeviceRunSummary, layout, metadata, run};
 use diffusive::identify::record::{RecordError, RecordTable};
 use host_sim::instrument::in_process::InProcess;
+use host_sim::run::RunError;
 use recording::{Collector, Recording};
 
 use super::error::MemsError;
@@ -42,7 +43,7 @@ pub fn run_of(experiment: &DeviceExperiment) -> Result<DeviceRecord, MemsError> 
     let summary = run(experiment, Box::new(InProcess::new()), &mut device, &mut |row| {
         let of = |place: usize| row.estimate.get(place).map_or(f64::NAN, |&of| of.into());
         rows.push(DeviceNumbers { symbol: of(0), shift_v: of(3), readings_f: [of(5), of(6)], true_v: of(7) });
-        collector.push(row).map_err(DeviceRunError::from)
+        collector.push(row).map_err(RunError::from)
     })?;
     let recording = collector.finish(&Vec::new());
     Ok(DeviceRecord { summary, recording, symbol_time_s: experiment.shape.symbol_time_s, rows })
