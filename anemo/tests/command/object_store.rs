@@ -126,7 +126,7 @@ fn recordings_and_models_are_read_and_written_as_objects_by_the_name_of_the_buck
     let up = "[s3.upload_file(n, 'winds', 'run/' + n) for n in ('a.csv', 'b.csv')]";
     assert!(store.python(up).status.success());
     stdout(&store.anemo("identify a.csv b.csv -o files.json"));
-    // As a pattern, and part by part; the model is an object itself.
+    // As a pattern, and one by one; the model is an object itself.
     let parts = "identify s3://winds/run/a.csv s3://winds/run/b.csv -o s3://winds/models/parts.json --plot s3://winds/models/parts.svg";
     stdout(&store.anemo(parts));
     stdout(&store.anemo("identify s3://winds/r*n/?.csv -o pattern.json"));
@@ -141,15 +141,6 @@ fn recordings_and_models_are_read_and_written_as_objects_by_the_name_of_the_buck
     let fetched = store.log().lines().filter(|line| line.contains("GET /winds/run/a.csv")).count();
     assert_eq!(fetched, 2, "{}", store.log());
     stdout(&store.anemo("validate s3://winds/models/parts.json s3://winds/run/a.csv"));
-    stdout(&store.anemo("gram s3://winds/run/*.csv -o s3://winds/sums/r.plan"));
-    for part in ["a", "b"] {
-        let sums =
-            format!("gram s3://winds/run/{part}.csv --plan s3://winds/sums/r.plan -o s3://winds/sums/{part}.gram");
-        stdout(&store.anemo(&sums));
-    }
-    stdout(&store.anemo("identify s3://winds/sums/*.gram -o sums.json"));
-    stdout(&store.anemo("identify a.csv b.csv --losses none -o rows.json"));
-    assert_eq!(model("sums.json")["pairs"], model("rows.json")["pairs"]);
 
     // An experiment names its head as a file does.
     let up = "[s3.upload_file(root + n, 'winds', n) for root in ('{root}',) for n in ('experiments/steady.toml', 'heads/sphere-b.toml', 'heads/models/sphere-b-mars-still.toml')]";
