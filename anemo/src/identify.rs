@@ -9,7 +9,6 @@ use crate::output::Failure;
 use crate::picture::PictureArguments;
 use crate::progress::progress_bar;
 use diffusive::identify::identify;
-use diffusive::identify::parts::{identify_parts, join_files, refuse_incomplete};
 use diffusive::identify::record::{RecordSource as _, RecordStream};
 use diffusive::identify::report::IdentifyReport;
 use plot::model::figure;
@@ -47,8 +46,7 @@ Examples:
 A row holds the outputs at its time, and the inputs from then on.")]
 pub struct Arguments {
     /// The record: .parquet or .csv files; several are segments of one record, or one segment where
-    /// each goes on where the one before ended. Or the sums of all of its parts, .gram files of
-    /// `anemo gram`, in any order.
+    /// each goes on where the one before ended.
     #[arg(required = true, value_name = "RECORD")]
     records: Vec<PathBuf>,
     /// Write the model to this .json file.
@@ -77,9 +75,6 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(path) = &arguments.report {
         crate::output::writable(path, "a report", "html")?;
     }
-    if arguments.records.iter().any(|path| is_gram(path)) {
-        return identify_sums(arguments);
-    }
     let (selection, gas) = arguments.model.selection();
     let mut stream = RecordStream::open_all(&named(&arguments.records)?, &selection).map_err(Failure::usage)?;
     let options = arguments.model.options(stream.survey(), gas)?;
@@ -102,33 +97,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// The files that patterns name: no shell knows the names of objects.
-pub fn named(files: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
+fn named(files: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
     let named: Result<Vec<_>, _> = files.iter().map(|path| recording::named_by(path)).collect();
     Ok(named.map_err(Failure::usage)?.concat())
-}
-
-/// Whether a file has sums by its name.
-pub fn is_gram(path: &Path) -> bool {
-    path.extension().is_some_and(|own| own.eq_ignore_ascii_case("gram"))
-}
-
-/// The model of a record of which the sums are at hand.
-fn identify_sums(arguments: &Arguments) -> Result<(), Failure> {
-    if let Some(record) = arguments.records.iter().find(|path| !is_gram(path)) {
-        return Err(Failure::in_file(record, "is no .gram file, as others are: name sums or records, not both"));
-    }
-    if arguments.picture.path().is_some() || arguments.report.is_some() {
-        return Err(Failure::usage(
-            "pictures and reports show rows, which sums do not have: leave out --plot and --report",
-        ));
-    }
-    arguments.model.refuse_any("anemo identify")?;
-    let (plan, sums) = join_files(&named(&arguments.records)?)?;
-    refuse_incomplete(&plan, &sums)?;
-    let model = identify_parts(&plan, sums, &mut progress_bar())?;
-    if let Some(path) = &arguments.output_file {
-        model.write(path).map_err(Failure::work)?;
-    }
-    let report = IdentifyReport { model: &model, notes: plan.notes(), written: arguments.output_file.as_deref() };
-    crate::output::print_report(&report, arguments.json)
 }

@@ -29,7 +29,6 @@ mod example;
 mod export;
 mod feeding;
 mod fit_recorder;
-mod gram;
 mod head;
 mod identify;
 mod identify_page;
@@ -130,7 +129,6 @@ enum Subcommands {
     Check(check::Arguments),
     Design(design::Arguments),
     Identify(identify::Arguments),
-    Gram(gram::Arguments),
     Merge(merge::Arguments),
     Head(head::Arguments),
     Calibrate(calibrate::Arguments),
@@ -223,7 +221,6 @@ fn execute(command: &Subcommands) -> Result<(), output::Failure> {
         Subcommands::Check(arguments) => check::execute(arguments),
         Subcommands::Design(arguments) => design::execute(arguments),
         Subcommands::Identify(arguments) => identify::execute(arguments),
-        Subcommands::Gram(arguments) => gram::execute(arguments),
         Subcommands::Merge(arguments) => merge::execute(arguments),
         Subcommands::Head(arguments) => head::execute(arguments),
         Subcommands::Calibrate(arguments) => calibrate::execute(arguments),

@@ -1,4 +1,4 @@
-//! Options of a model that is identified: what `anemo identify` and `anemo gram` share.
+//! Options of a model that is identified.
 
 use crate::choice::{at_least_one, choice};
 use crate::columns::Columns;
@@ -7,8 +7,7 @@ use diffusive::identify::record::{Selection, Survey};
 use diffusive::identify::{Constraints, DriftGiven, DriftKind, GasGiven, IdentifyOptions, InitialState, Losses, Signs};
 use diffusive::model::Structure;
 
-/// What a model shall be, and of which columns: the same for a record and for a plan of its
-/// parts.
+/// Columns, structure and constraints of a model.
 #[derive(clap::Args)]
 pub struct ModelOptions {
     #[command(flatten)]
@@ -121,21 +120,6 @@ fn rates(text: &str) -> Result<usize, Failure> {
 }
 
 impl ModelOptions {
-    /// Refuses any option where those of the plan hold, in `what`.
-    pub fn refuse_any(&self, what: &str) -> Result<(), Failure> {
-        let (selection, gas) = self.selection();
-        let is_default = self.non_negative == "auto"
-            && self.reference.is_none()
-            && selection == Selection::default()
-            && self.asked(gas, Signs::Choose) == IdentifyOptions { losses: Losses::Auto, ..IdentifyOptions::default() };
-        if is_default {
-            return Ok(());
-        }
-        Err(Failure::usage(format!(
-            "options of columns and model belong to the plan of the parts: give them to `anemo gram` when it makes the plan; `{what}` follows it here"
-        )))
-    }
-
     /// Which columns play which part, and where the temperature of the gas is from.
     pub fn selection(&self) -> (Selection, GasGiven) {
         if let Some(column) = &self.ambient {

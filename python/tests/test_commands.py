@@ -9,7 +9,6 @@ import sys
 import threading
 import time
 import warnings
-from concurrent.futures import ThreadPoolExecutor
 
 import anemo
 import numpy as np
@@ -154,23 +153,3 @@ def test_the_package_is_small_to_import():
     code = "import time; t = time.perf_counter(); import anemo, sys; print('numpy' in sys.modules)"
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert loaded.stdout == "False\n"
-
-
-def test_parts_of_a_record_are_summed_by_functions(tmp_path):
-    whole = heater(4, rows=6000)
-    plan, parts = tmp_path / "record.plan", []
-    for number, rows in enumerate([slice(0, 1531), slice(1531, 4000), slice(4000, 6000)]):
-        parts.append(tmp_path / f"part-{number}.parquet")
-        pq.write_table(pa.table({name: values[rows] for name, values in whole.items()}), parts[-1])
-    planned = anemo.gram(*parts, output_file=plan)
-    assert (planned.record_rows, planned.parts) == (6000, 3)
-    with ThreadPoolExecutor(2) as threads:
-        sums = list(threads.map(lambda part: anemo.gram(part, plan=plan, output_file=part.with_suffix(".gram")), parts))
-    assert [report.rows for report in sums] == [1531, 2469, 2000]
-    model = anemo.identify(*[part.with_suffix(".gram") for part in parts])
-    of_rows = anemo.identify(*parts, losses="none")
-    assert model.steady_gain() == of_rows.steady_gain()
-    for name, values in of_rows.spectrum().items():
-        assert np.array_equal(model.spectrum()[name], values), name
-    with pytest.raises(anemo.Error, match="sum .*part-1.parquet"):
-        anemo.identify(parts[0].with_suffix(".gram"), parts[2].with_suffix(".gram"))

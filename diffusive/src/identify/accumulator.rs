@@ -6,7 +6,7 @@ use super::gas_source::GasSource;
 use super::gram::Gram;
 use super::panels::{self, BATCH, LANES, Panel, Tile};
 use super::record::Block;
-use super::rows::{RegressionRows, RowStates};
+use super::rows::RegressionRows;
 use super::segment::{self, with_starts};
 
 /// One pass over a record for one design.
@@ -26,24 +26,12 @@ pub struct Accumulator {
     record: FoldedSums,
     /// First row behind every fold but the last.
     borders: Vec<u64>,
-    /// States in the segment's first row that says something, if it was read.
-    first: Option<Vec<f64>>,
-    /// Whether products are summed, or states followed only.
-    is_summing: bool,
     /// With the decays that later segments begin with, and how many those are.
     design: RegressionDesign,
     starts: usize,
     row: u64,
     /// Rows at the beginning of a segment that say nothing: what drove them stood before it.
     lead: u64,
-}
-
-/// Rows of one segment: their sums, the states in the first row that says something, and what the
-/// next row depends on.
-pub struct AccumulatedRows {
-    pub sums: FoldedSums,
-    pub first: Option<Vec<f64>>,
-    pub states: RowStates,
 }
 
 impl Accumulator {
@@ -71,43 +59,14 @@ impl Accumulator {
             record: FoldedSums::default(),
             starts: starts_rad_s.len(),
             borders: (1..folds as u64).map(|fold| expected_rows * fold / folds as u64).collect(),
-            first: None,
-            is_summing: true,
             row: 0,
             lead: design.longest_delay() as u64,
             design,
         }
     }
 
-    /// Follows states only.
-    #[must_use]
-    pub fn without_sums(self) -> Self {
-        Self { is_summing: false, ..self }
-    }
-
-    /// Reads rows of one segment, from a row of the record and of the segment on, in which these
-    /// are the states.
-    #[must_use]
-    pub fn of_rows(mut self, row: u64, segment_row: u64, states: &RowStates, first_gas_c: Option<f64>) -> Self {
-        self.rows.resume(states, first_gas_c);
-        // The states behind a fold that ends with the row before are these.
-        self.at = self.borders.partition_point(|&border| border < row);
-        (self.row, self.segment_row) = (row, segment_row);
-        self
-    }
-
-    pub fn states(&self) -> RowStates {
-        self.rows.states_and_late()
-    }
-
-    /// What was read of one segment.
-    pub fn into_rows(mut self) -> AccumulatedRows {
-        self.close_fold();
-        AccumulatedRows { sums: self.segment, first: self.first, states: self.rows.states_and_late() }
-    }
-
     /// States of all columns, as the next row has them.
-    pub fn column_states(&self) -> Vec<f64> {
+    fn column_states(&self) -> Vec<f64> {
         let mut states = self.rows.states();
         states[self.design.decays().end] = 1.0;
         states
@@ -128,9 +87,6 @@ impl Accumulator {
                 self.end_fold();
             }
             let mut rows = (BATCH - (self.row % BATCH as u64) as usize).min(block.len() - from);
-            if self.segment_row == self.lead {
-                self.first = Some(self.column_states());
-            }
             if let Some(&border) = self.borders.get(self.at) {
                 rows = rows.min((border - self.row) as usize);
             }
@@ -142,7 +98,7 @@ impl Accumulator {
             let until = missing.peek().map_or(rows, |&next| next - from);
             rows = if is_missing { 1 } else { rows.min(until) };
             self.rows.fill(block, gas, from, rows, &mut self.panels);
-            if self.is_summing && !is_lead && !is_missing {
+            if !is_lead && !is_missing {
                 panels::add_products(&self.panels, self.rows.is_live(), self.rows.width(), rows, &mut self.tiles);
                 self.fold_rows += rows as u64;
             }

@@ -7,7 +7,6 @@
 //! the standard error of the folds' paired differences.
 
 use dr_core::model::mesh;
-use serde::{Deserialize, Serialize};
 
 use super::candidates::terms;
 use super::design::{BankDrive, RegressionDesign, RelaxationBank};
@@ -25,7 +24,7 @@ const DELAYS: [usize; 13] = [0, 1, 2, 3, 4, 5, 6, 8, 12, 16, 24, 32, 48];
 const LONGER: [usize; 10] = [64, 96, 128, 192, 256, 384, 512, 768, 1024, 2048];
 
 /// What a model's dead time and feed-through will be: as given, or searched for.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct PathDecision {
     pub delay: usize,
     pub feed_through: bool,

@@ -4,13 +4,12 @@
 //! added first: so beside every sum stands what rounding took from it.
 
 use nalgebra::DMatrix;
-use serde::{Deserialize, Serialize};
 
 use super::gram::{Gram, Starts, in_places};
 use super::panels::{Tile, exact_sum};
 
 /// The sums of a fold: of a symmetric matrix the lower half, column by column.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct FoldSums {
     fold: usize,
     rows: u64,
@@ -55,11 +54,6 @@ impl FoldSums {
         }
         gram
     }
-
-    /// Keeps the nearest numbers only: nothing more is added.
-    fn round(&mut self) {
-        self.sums.iter_mut().zip(std::mem::take(&mut self.rests)).for_each(|(sum, rest)| *sum += rest);
-    }
 }
 
 fn triangle(matrix: &DMatrix<f64>) -> Vec<f64> {
@@ -69,7 +63,7 @@ fn triangle(matrix: &DMatrix<f64>) -> Vec<f64> {
 
 /// The sums of one design over some rows, fold by fold, and its states behind the folds that ended
 /// in them.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct FoldedSums {
     folds: Vec<FoldSums>,
     ends: Vec<(usize, Vec<f64>)>,
@@ -113,11 +107,6 @@ impl FoldedSums {
         FoldedGrams { folds, ends: self.ends.iter().map(|(fold, states)| (*fold, select(states))).collect() }
     }
 
-    /// Keeps the nearest numbers only, in half the memory: nothing more is added.
-    pub fn round(&mut self) {
-        self.folds.iter_mut().for_each(FoldSums::round);
-    }
-
     /// As numbers of so many folds, and the states behind each.
     pub fn folds(&self, width: usize, folds: usize) -> (Vec<Gram>, Vec<Vec<f64>>) {
         let mut sums = vec![Gram::empty(width); folds];
@@ -132,13 +121,4 @@ impl FoldedSums {
 pub struct FoldedGrams {
     pub folds: Vec<(usize, Gram)>,
     pub ends: Vec<(usize, Vec<f64>)>,
-}
-
-impl FoldedGrams {
-    /// Sums of all folds.
-    pub fn total(&self, width: usize) -> Gram {
-        let mut total = Gram::empty(width);
-        self.folds.iter().for_each(|(_, fold)| total.add(fold));
-        total
-    }
 }

@@ -6,12 +6,11 @@
 //! through.
 
 use nalgebra::DMatrix;
-use serde::{Deserialize, Serialize};
 
 use super::panels::{self, LANES, Tile};
 
 /// What was taken out of sums for segments that began with anything.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Starts {
     pub segments: f64,
     /// Rows of all of them.

@@ -42,7 +42,6 @@
 //! | [`symbol`], `conductance` | the two structures: a symbol a class (thesis 2.19), wind as feedback (theory 12) |
 //! | `losses` | losses that grow with temperature, around any of `symbol` and `refine` |
 //! | [`refine`], `tied` | a few free rates in place of a mesh; reciprocal pairs |
-//! | `reading`, [`parts`] | what is asked of a record for that, and the same of sums that were gathered part by part |
 //! | `fitted`, `residual_pass`, `residuals`, `whiteness`, `support` | what is left, whether another candidate leaves less, and whether the record could carry the model |
 //! | `advice` | what the next record should be |
 //! | [`report`] | the result for people |
@@ -52,7 +51,6 @@
 pub mod cole_cole;
 pub mod nonnegative;
 pub mod options;
-pub mod parts;
 pub mod record;
 pub mod refine;
 pub mod report;
@@ -94,7 +92,6 @@ mod outcome;
 mod panels;
 mod prior;
 mod quiet_start;
-mod reading;
 mod residual_pass;
 pub(crate) mod residuals;
 mod rows;

@@ -1,12 +1,10 @@
 //! How an input moves from row to row: what a drift is told from a body by.
 
-use serde::{Deserialize, Serialize};
-
 /// Rows that are gone through side by side.
 const ABREAST: usize = 16;
 
 /// How an input moves from row to row.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct InputMoves {
     /// Rows in which it moves by more than a tenth of its range.
     pub moves: u64,

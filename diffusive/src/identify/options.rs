@@ -1,14 +1,12 @@
 //! Options of identification: structure, mesh, initial state, signs, gas. The default chooses
 //! everything by cross-validation.
 
-use serde::{Deserialize, Serialize};
-
 use super::drift::DriftGiven;
 use super::residuals::FitRow;
 use crate::model::Structure;
 
 /// Options of one identification.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct IdentifyOptions {
     /// `symbol` by default.
     pub structure: Option<Structure>,
@@ -68,7 +66,7 @@ impl IdentifyOptions {
 }
 
 /// Whether losses may grow with temperature: w = u − g (T − T_0)².
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Losses {
     /// The model is linear.
     #[default]
@@ -80,7 +78,7 @@ pub enum Losses {
 }
 
 /// Where the temperature of the gas comes from.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub enum GasGiven {
     /// It is estimated.
     #[default]
@@ -92,7 +90,7 @@ pub enum GasGiven {
 }
 
 /// Parts of a model that the user fixes; `None` is chosen.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Constraints {
     /// Number of rates.
     pub order: Option<usize>,
@@ -122,7 +120,7 @@ impl Constraints {
 }
 
 /// The state of the body at the first row.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum InitialState {
     /// Nothing stored: all states zero.
     Rest,
@@ -144,7 +142,7 @@ impl InitialState {
 }
 
 /// Which resistances may not be negative.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub enum Signs {
     /// As many as cross-validation allows.
     #[default]

@@ -1,8 +1,6 @@
 //! One reading of a record: the normal equations of several designs, and the plain facts that
 //! checks and priors need.
 
-use serde::{Deserialize, Serialize};
-
 use super::accumulator::Accumulator;
 use super::design::{BankDrive, RegressionDesign, RelaxationBank};
 use super::gas_source::GasSource;
@@ -17,7 +15,7 @@ use crate::model::Provenance;
 
 /// Spreads of inputs, in one class and in all, of outputs and of the gas, each counted from the
 /// first row.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Facts {
     pub rows: u64,
     pub first_inputs: Vec<f64>,

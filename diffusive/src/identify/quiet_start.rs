@@ -5,7 +5,6 @@
 //! surer than the difference.
 
 use recording::text::{estimate, short};
-use serde::{Deserialize, Serialize};
 
 use super::record::Block;
 use super::spread::ValueSpread;
@@ -19,7 +18,7 @@ const FAR: f64 = 3.0;
 const STANDS: f64 = 2.0;
 
 /// Outputs in the rows before the first power.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct QuietStart {
     is_over: bool,
     outputs: Vec<ValueSpread>,

@@ -87,19 +87,6 @@ impl Residuals {
         self.last[self.newest] = residual;
     }
 
-    /// Those of so many rows: Σ of squares of residuals, and of those with the drift; Σ of products
-    /// by lag; the greatest square that is known; Σ of the output from `first_y`, and of squares.
-    pub fn of_sums(
-        count: u64,
-        [squares, unexplained]: [f64; 2],
-        products: Vec<f64>,
-        greatest: (f64, u64),
-        first_y: f64,
-        [y_sum, y_squares]: [f64; 2],
-    ) -> Self {
-        Self { count, squares, unexplained, products, greatest, first_y, y_sum, y_squares, ..Self::default() }
-    }
-
     pub fn rms(&self) -> f64 {
         (self.squares / (self.count as f64).max(1.0)).sqrt()
     }

@@ -13,7 +13,6 @@
 
 use dr_core::model::mesh;
 use pulp::{Simd, WithSimd};
-use serde::{Deserialize, Serialize};
 
 use super::design::{BankDrive, RegressionDesign};
 use super::gas_source::GasSource;
@@ -44,14 +43,6 @@ pub struct RegressionRows {
     /// Which panels are all of decays, and which of those have not decayed in the batch.
     decays: Vec<bool>,
     is_live: Vec<bool>,
-}
-
-/// What rows to come depend on: the states of all columns, and by bank what has not arrived yet,
-/// oldest first.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct RowStates {
-    x: Vec<f64>,
-    late: Vec<Vec<f64>>,
 }
 
 /// The states of a panel of columns.
@@ -138,27 +129,6 @@ impl RegressionRows {
     pub fn restart(&mut self) {
         self.lanes.iter_mut().zip(&self.first).for_each(|(states, first)| states.x = *first);
         self.banks.iter_mut().for_each(|bank| bank.late.fill(0.0));
-    }
-
-    /// All that rows to come depend on.
-    pub fn states_and_late(&self) -> RowStates {
-        let late = |bank: &BankSignal| [&bank.late[bank.next..], &bank.late[..bank.next]].concat();
-        RowStates {
-            x: self.lanes.iter().flat_map(|lanes| lanes.x).collect(),
-            late: self.banks.iter().map(late).collect(),
-        }
-    }
-
-    /// Goes on where others of the same design were, for gas counted from that of the record's
-    /// first row.
-    pub fn resume(&mut self, states: &RowStates, first_gas_c: Option<f64>) {
-        for (lanes, x) in self.lanes.iter_mut().zip(states.x.as_chunks::<LANES>().0) {
-            lanes.x = *x;
-        }
-        for (bank, late) in self.banks.iter_mut().zip(&states.late) {
-            (bank.next, bank.first_gas_c) = (0, first_gas_c);
-            bank.late.copy_from_slice(late);
-        }
     }
 
     /// For every panel whether it has another value than 0 in the batch that was written last.

@@ -1,7 +1,6 @@
 //! How far values spread: their range and their first two moments, in one go.
 
 use pulp::{Simd, WithSimd};
-use serde::{Deserialize, Serialize};
 
 /// Values that are gone through side by side: a sum alone would wait for each of its additions.
 const ABREAST: usize = 16;
@@ -10,7 +9,7 @@ const ABREAST: usize = 16;
 const PART: usize = 1024;
 
 /// Of some values v, which are finite.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ValueSpread {
     pub count: u64,
     /// From where moments are counted.

@@ -9,9 +9,10 @@
 
 use super::choose::Choice;
 use super::fitted::FittedOutput;
+use super::gas_source::GasSource;
 use super::options::{FitObserver, InitialState};
-use super::reading::SumReading;
-use super::record::RecordError;
+use super::record::{RecordError, RecordSource};
+use super::residual_pass::ResidualPass;
 use super::residuals::Residuals;
 use super::symbol::plan::SymbolReading;
 
@@ -21,7 +22,7 @@ const COLOURED: f64 = 1.1;
 /// Replaces choices by the best rivals that leave white residuals where they do not. `settle` makes
 /// a choice of an output's best rival.
 pub fn prefer_white(
-    source: &mut dyn SumReading,
+    source: &mut dyn RecordSource,
     reading: &SymbolReading,
     choices: Vec<Choice>,
     settle: &dyn Fn(usize, &Choice) -> Option<Choice>,
@@ -30,7 +31,7 @@ pub fn prefer_white(
     let mut residuals_of = |choices: &mut dyn Iterator<Item = &Choice>| {
         let fitted: Vec<FittedOutput> =
             choices.enumerate().map(|(output, choice)| choice.fitted(reading, output)).collect();
-        source.left_by(&fitted, seen).map(|pass| pass.residuals)
+        ResidualPass::of(source, GasSource::Constant(0.0), &fitted, seen).map(|pass| pass.residuals)
     };
     let mut rivals: Vec<Option<Choice>> =
         choices.iter().enumerate().map(|(output, choice)| settle(output, choice)).collect();

@@ -13,11 +13,6 @@ pub struct WholeBatches {
 }
 
 impl WholeBatches {
-    /// Of rows that begin with row `row` of the record.
-    pub fn from_row(row: u64) -> Self {
-        Self { row, ..Self::default() }
-    }
-
     /// Hands on what is whole with these rows. Where a segment ends, what waits is its last.
     pub fn push(&mut self, block: &Block, next: &mut dyn FnMut(&Block)) {
         if block.begins_segment {
@@ -51,10 +46,5 @@ impl WholeBatches {
             self.row += rows.len() as u64;
             next(&rows);
         }
-    }
-
-    /// What waits, as it came.
-    pub fn into_waiting(self) -> Block {
-        self.waiting
     }
 }

@@ -45,8 +45,6 @@ pub use columns::PoleColumns;
 pub use filter::{NoiseFilter, RunningFilter, Section};
 pub use tracker::DriftTracker;
 
-use serde::{Deserialize, Serialize};
-
 /// Poles a decade that filters may have.
 const POLES_PER_DECADE: f64 = 2.0;
 /// Least rate of a pole, in units of one over the record's length: a level that a quarter of the
@@ -54,7 +52,7 @@ const POLES_PER_DECADE: f64 = 2.0;
 const SLOWEST: f64 = 4.0;
 
 /// Whether the offset may move.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub enum DriftGiven {
     /// If the record shows it: kind and size of most evidence.
     #[default]
@@ -66,7 +64,7 @@ pub enum DriftGiven {
 }
 
 /// Kinds of drift.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DriftKind {
     /// Level without a memory of where it belongs.
     RandomWalk,

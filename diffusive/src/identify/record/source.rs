@@ -7,8 +7,6 @@ use std::fmt::Display;
 use std::ops::Range;
 use std::path::PathBuf;
 
-use serde::{Deserialize, Serialize};
-
 use super::error::RecordError;
 use super::times::TimeUnit;
 use crate::model::Conditions;
@@ -18,7 +16,7 @@ pub const BLOCK: usize = recording::CHUNK;
 
 /// Which columns play which part. Empty is the default; an element's name stands for its power as
 /// an input and for its temperature as an output or as the gas.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Selection {
     /// Heating powers, in the order wanted.
     pub inputs: Vec<String>,
@@ -37,7 +35,7 @@ pub struct Selection {
 }
 
 /// What is known of a record before its rows are handed out.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Survey {
     /// The file, or what a table in memory is called.
     pub path: PathBuf,
@@ -103,7 +101,7 @@ impl Survey {
 }
 
 /// Consecutive rows.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Block {
     /// A column for each input: held from its row's time to the next row's.
     pub inputs: Vec<Vec<f64>>,

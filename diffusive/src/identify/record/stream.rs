@@ -117,17 +117,6 @@ impl RecordStream {
         })
     }
 
-    /// Why rows are not as they stand in the files, if they are not: what depends on rows beside
-    /// them.
-    pub(in crate::identify) fn mended(&self) -> Option<String> {
-        let filled = self.files.filled().next();
-        let times = self.has_jitter.then(|| "has times that jitter, between which outputs are interpolated".to_owned());
-        let filled =
-            filled.map(|(name, rows)| format!("lacks `{name}` in {rows} rows, which follow from those beside"));
-        let why = times.or(filled)?;
-        Some(format!("{why}: parts cannot do that across their borders; identify the record as a whole"))
-    }
-
     /// Makes blocks of rows.
     fn take(&mut self, mut raw: RawRows) -> Result<(), RecordError> {
         let pieces = self.sieve.pieces(&self.files, &raw)?;

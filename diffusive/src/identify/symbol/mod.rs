@@ -13,11 +13,13 @@ mod tests;
 
 use super::candidates::MeshPart;
 use super::choose::{CandidateSet, Choice};
+use super::delay;
 use super::fitted::FittedOutput;
+use super::gas_source::GasSource;
+use super::labels::labels;
 use super::options::{FitObserver, IdentifyOptions, Progress};
-use super::reading::{RowReading, SumReading};
 use super::record::{RecordError, RecordSource, Survey};
-use super::residual_pass::observed;
+use super::residual_pass::{ResidualPass, observed};
 use super::tied::{Tied, tie};
 use super::whiteness::prefer_white;
 use crate::model::Model;
@@ -39,18 +41,8 @@ pub fn identify(
     progress: &mut Progress<'_>,
     observer: &mut FitObserver<'_>,
 ) -> Result<Model, RecordError> {
-    identify_read(&mut RowReading(source), options, progress, observer)
-}
-
-/// The same, of a record that gives sums.
-pub(super) fn identify_read(
-    source: &mut dyn SumReading,
-    options: &IdentifyOptions,
-    progress: &mut Progress<'_>,
-    observer: &mut FitObserver<'_>,
-) -> Result<Model, RecordError> {
-    let (survey, classes) = (asked_of(source.survey(), options), source.labels(progress)?);
-    let path = source.path(&options.constraints)?;
+    let (survey, classes) = (asked_of(source.survey(), options), labels(source, progress)?);
+    let path = delay::decide(source, &options.constraints)?;
     let reading = SymbolPlan::of(survey, classes, path, options)?.read(source, options, progress)?;
     progress("choosing", 0, 1);
     let choices = decided(source, &reading, options, progress)?;
@@ -59,7 +51,7 @@ pub(super) fn identify_read(
         let others = decided(source, &reading, &open, progress)?;
         let against = asked::contradictions(&reading.plan.survey, options, &choices, &others);
         if !against.is_empty() {
-            let mut model = identify_read(source, &open, progress, observer)?;
+            let mut model = identify(source, &open, progress, observer)?;
             model.warnings.extend(against);
             model.supported = false;
             return Ok(model);
@@ -71,19 +63,19 @@ pub(super) fn identify_read(
     let fitted: Vec<FittedOutput> =
         choices.iter().enumerate().map(|(output, choice)| choice.fitted(&reading, output)).collect();
     let mut row = observed(progress, "residuals", reading.plan.survey.rows, observer);
-    let residuals = source.left_by(&fitted, &mut row)?;
+    let residuals = ResidualPass::of(source, GasSource::Constant(0.0), &fitted, &mut row)?;
     let result = SymbolResult { reading: &reading, choices: &choices, fitted: &fitted, residuals };
     Ok(result.model(&options.constraints, tie_reason, tie_warning))
 }
 
 /// What is known of a record, without a gas of which nothing is made.
-pub(super) fn asked_of(survey: &Survey, options: &IdentifyOptions) -> Survey {
+fn asked_of(survey: &Survey, options: &IdentifyOptions) -> Survey {
     Survey { gas_column: survey.gas_column.clone().filter(|_| options.follow_ambient), ..survey.clone() }
 }
 
 /// The choice for every output, in the order in which choices give way to others.
 fn decided(
-    source: &mut dyn SumReading,
+    source: &mut dyn RecordSource,
     reading: &SymbolReading,
     options: &IdentifyOptions,
     progress: &mut Progress<'_>,
@@ -98,7 +90,7 @@ fn decided(
 /// The choice for every output, on the sums of one reading; and a second opinion where its
 /// residuals are coloured.
 fn choose(
-    source: &mut dyn SumReading,
+    source: &mut dyn RecordSource,
     reading: &SymbolReading,
     options: &IdentifyOptions,
     progress: &mut Progress<'_>,
@@ -112,7 +104,7 @@ fn choose(
 
 /// Other choices where the record calls for them: of a drift, or an average.
 fn reconsider(
-    source: &mut dyn SumReading,
+    source: &mut dyn RecordSource,
     reading: &SymbolReading,
     options: &IdentifyOptions,
     choices: &mut [Choice],
@@ -120,7 +112,7 @@ fn reconsider(
     let mut left_by = |choices: &[Choice]| {
         let fitted: Vec<FittedOutput> =
             choices.iter().enumerate().map(|(output, choice)| choice.fitted(reading, output)).collect();
-        source.left_by(&fitted, &mut |_| {}).map(|pass| pass.residuals)
+        ResidualPass::of(source, GasSource::Constant(0.0), &fitted, &mut |_| {}).map(|pass| pass.residuals)
     };
     let left = left_by(choices)?;
     let mut others = choices.to_vec();

@@ -7,11 +7,12 @@ use super::super::candidates::{self, CandidateMesh, MeshPart};
 use super::super::delay::PathDecision;
 use super::super::design::{BankDrive, RegressionDesign, RelaxationBank};
 use super::super::drift::DriftGiven;
+use super::super::folds::FOLDS;
+use super::super::gas_source::GasSource;
 use super::super::options::{Constraints, IdentifyOptions, InitialState, Progress};
-use super::super::pass::Passed;
+use super::super::pass::{Passed, pass};
 use super::super::prior::Scales;
-use super::super::reading::SumReading;
-use super::super::record::{RecordError, Survey};
+use super::super::record::{RecordError, RecordSource, Survey};
 use super::super::support;
 
 /// Unknowns beyond which only the smallest mesh is tried: the search takes time with their third
@@ -183,14 +184,14 @@ impl SymbolPlan {
     /// One reading of the record for all designs.
     pub fn read(
         self,
-        source: &mut dyn SumReading,
+        source: &mut dyn RecordSource,
         options: &IdentifyOptions,
         progress: &mut Progress<'_>,
     ) -> Result<SymbolReading, RecordError> {
         let mut tell = |done| progress("reading", done, self.survey.rows);
         let is_read = |mesh: &&CandidateMesh| mesh.part != MeshPart::Union;
         let read = self.meshes.iter().filter(is_read).count();
-        let passed = source.sums(&self.designs[..read], &mut tell)?;
+        let passed = pass(source, &self.designs[..read], FOLDS, GasSource::Constant(0.0), u64::MAX, &mut tell)?;
         let from_rest = options.constraints.initial_state == Some(InitialState::Rest);
         support::refuse(&self.survey, &passed.facts, &self.classes, self.is_gated(), from_rest)?;
         if let (Some(column), Some(gas)) = (&self.survey.gas_column, &passed.facts.gas) {
