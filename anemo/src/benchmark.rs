@@ -37,7 +37,7 @@ use studies::benchmark::wind::{self, BenchmarkReport, page};
 /// with buoyancy and a cooled stem: how wrong the wind is, and whether the estimates say so. Half a
 /// minute a specimen.
 ///
-/// `mems`: charge in the dielectric of a MEMS: readings, models and laws, closed loops predicted
+/// `mems`: charge in the dielectric of a MEMS: readings, a model, closed loops predicted
 /// and simulated, and where they lock. --experiments names its own folder.
 ///
 /// `heads`: heads of every form as `anemo head new` writes them, from nothing to wind: identified,

@@ -35,7 +35,6 @@ mod head;
 mod identify;
 mod identify_page;
 pub mod in_process;
-mod laws;
 mod live_host;
 mod live_table;
 mod log;
@@ -140,7 +139,6 @@ enum Subcommands {
     Combine(combine::Arguments),
     Meteorology(meteorology::Arguments),
     Validate(validate::Arguments),
-    Laws(laws::Arguments),
     Plot(plot::Arguments),
     Example(example::Arguments),
     Export(export::Arguments),
@@ -253,7 +251,6 @@ fn execute(command: &Subcommands) -> Result<(), output::Failure> {
         Subcommands::Combine(arguments) => combine::execute(arguments),
         Subcommands::Meteorology(arguments) => meteorology::execute(arguments),
         Subcommands::Validate(arguments) => validate::execute(arguments),
-        Subcommands::Laws(arguments) => laws::execute(arguments),
         Subcommands::Plot(arguments) => plot::execute(arguments),
         Subcommands::Example(arguments) => example::execute(arguments),
         Subcommands::Export(arguments) => export::execute(arguments),

@@ -4,11 +4,10 @@
 use clap::{Arg, ArgAction, Command};
 
 /// Commands that work on files and models, what they are called in Python, and what they give.
-const FUNCTIONS: [(&str, &str, &str); 21] = [
+const FUNCTIONS: [(&str, &str, &str); 20] = [
     ("identify", "identify", "Model"),
     ("gram", "gram", "Report"),
     ("validate", "validate", "Report"),
-    ("laws", "laws", "Report"),
     ("merge", "merge", "Model"),
     ("reduce", "reduce", "Model"),
     ("export", "export", "Report"),

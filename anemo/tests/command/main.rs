@@ -10,7 +10,6 @@ mod examples;
 mod export;
 mod head;
 mod identify_parts;
-mod laws;
 mod long_record;
 mod losses;
 mod many_elements;
