@@ -26,7 +26,6 @@ mod columns;
 mod combine;
 mod convert;
 mod design;
-mod example;
 mod export;
 mod feeding;
 mod fit_recorder;
@@ -140,7 +139,6 @@ enum Subcommands {
     Meteorology(meteorology::Arguments),
     Validate(validate::Arguments),
     Plot(plot::Arguments),
-    Example(example::Arguments),
     Export(export::Arguments),
     Convert(convert::Arguments),
     Reduce(reduce::Arguments),
@@ -252,7 +250,6 @@ fn execute(command: &Subcommands) -> Result<(), output::Failure> {
         Subcommands::Meteorology(arguments) => meteorology::execute(arguments),
         Subcommands::Validate(arguments) => validate::execute(arguments),
         Subcommands::Plot(arguments) => plot::execute(arguments),
-        Subcommands::Example(arguments) => example::execute(arguments),
         Subcommands::Export(arguments) => export::execute(arguments),
         Subcommands::Convert(arguments) => convert::execute(arguments),
         Subcommands::Reduce(arguments) => reduce::execute(arguments),

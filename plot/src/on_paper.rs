@@ -5,8 +5,7 @@ use crate::engine::axis::Axis;
 use crate::engine::chart::{Chart, ChartFrame, Figure};
 use crate::engine::type_face::Weight;
 use crate::picture::{PictureFormat, PictureWidth};
-use crate::{closed_loop, cole_cole, model, run, tests};
-use diffusive::identify::cole_cole::{ColeColeComparison, ColeColeInput, SymbolValue, case, symbol};
+use crate::{closed_loop, model, run, tests};
 use diffusive::model::testing;
 use diffusive::predict::analysis_report::{AnalysisReport, AnalysisRequest};
 use resvg::usvg::roxmltree::{Document, Node};
@@ -52,29 +51,7 @@ fn figures() -> Vec<(&'static str, Figure)> {
         ("small model", model::figure(&windy, &[model::tests::fit("temperature_c_a", 9000, 1)])),
         ("closed loop", closed_loop::analysis_figure(&analysis.pair, &analysis.analysis, &analysis.changes)),
         ("prediction", closed_loop::prediction_figure(long, "recorded", &[predicted], 0.1, &winds)),
-        ("example", known_system()),
     ]
-}
-
-fn known_system() -> Figure {
-    let rates = [0.01, 0.1, 1.0, 10.0];
-    let value = |rate_rad_s: f64| SymbolValue {
-        rate_rad_s,
-        exact: symbol(rate_rad_s),
-        identified: 1.1 * symbol(rate_rad_s),
-        relative_error: 0.1,
-        interior: rate_rad_s > 0.05,
-        se: 0.01,
-    };
-    let comparison = ColeColeComparison {
-        symbol: rates.map(value).to_vec(),
-        largest_interior_error: 0.1,
-        negative_values: 0,
-        output_rmse: 0.01,
-    };
-    let case = case(ColeColeInput::Prbs, 0.1, 1, Some(200_000));
-    let output = cole_cole::output_charts(&testing::model(&rates, &[1.0; 4]), &case, ColeColeInput::Prbs);
-    Figure::new("Cole–Cole relaxation").stack(cole_cole::spectrum_charts(&comparison).into_iter().chain(output))
 }
 
 fn number(node: Node<'_, '_>, name: &str) -> f64 {

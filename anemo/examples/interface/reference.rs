@@ -32,7 +32,7 @@ const PAGES: [Page; 6] = [
         file: "command-line-models.md",
         kind: "thermal models",
         about: "Identify thermal models, judge and convert them.",
-        commands: &["identify", "gram", "merge", "validate", "export", "reduce", "example"],
+        commands: &["identify", "gram", "merge", "validate", "export", "reduce"],
     },
     Page {
         file: "command-line-loops.md",

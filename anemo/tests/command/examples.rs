@@ -30,7 +30,7 @@ const FIRST: [&str; 13] = [
 
 /// What is only parsed: a user's own table, a board and its log, the emulator, a cluster, a killed
 /// program, studies of minutes.
-const PARSED: [&str; 15] = [
+const PARSED: [&str; 14] = [
     "calibrate speeds.csv",
     "head compare",
     " mast/",
@@ -45,7 +45,6 @@ const PARSED: [&str; 15] = [
     "anemo benchmark",
     "anemo thesis\n",
     "anemo thesis rems",
-    "anemo example",
 ];
 
 /// Shorter experiments: longer ticks, fewer and shorter winds.

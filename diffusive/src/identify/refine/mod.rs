@@ -28,7 +28,6 @@ mod free_poles;
 mod report;
 mod search;
 
-
 use dr_core::model::ORDER;
 
 use self::columns::{Point, RefinedBank, Setup};
