@@ -16,8 +16,6 @@
 //! one sentence that begins with `anemo:`.
 
 mod analyse;
-#[cfg(feature = "studies")]
-mod benchmark;
 mod board;
 mod calibrate;
 mod check;
@@ -68,8 +66,6 @@ mod service;
 mod settings;
 mod status;
 mod sweep;
-#[cfg(feature = "studies")]
-mod thesis;
 mod validate;
 mod wind;
 
@@ -144,17 +140,11 @@ enum Subcommands {
     Reduce(reduce::Arguments),
     Analyse(analyse::Arguments),
     Predict(predict::Arguments),
-    #[cfg(feature = "studies")]
-    Thesis(thesis::Arguments),
-    #[cfg(feature = "studies")]
-    #[command(alias = "study")]
-    Benchmark(benchmark::Arguments),
 }
 
 /// Commands that had another name before version 0.2: they still run, and are answered with the new
 /// one.
-const RENAMED: [(&[&str], &str); 3] =
-    [(&["network"], "head identify"), (&["study"], "benchmark"), (&["settings", "forget"], "settings erase")];
+const RENAMED: [(&[&str], &str); 2] = [(&["network"], "head identify"), (&["settings", "forget"], "settings erase")];
 
 /// The definition of the command line.
 pub fn command() -> clap::Command {
@@ -255,10 +245,6 @@ fn execute(command: &Subcommands) -> Result<(), output::Failure> {
         Subcommands::Reduce(arguments) => reduce::execute(arguments),
         Subcommands::Analyse(arguments) => analyse::execute(arguments),
         Subcommands::Predict(arguments) => predict_device::execute(arguments),
-        #[cfg(feature = "studies")]
-        Subcommands::Thesis(arguments) => thesis::execute(arguments),
-        #[cfg(feature = "studies")]
-        Subcommands::Benchmark(arguments) => benchmark::execute(arguments),
     }
 }
 
@@ -319,7 +305,6 @@ mod tests {
     #[test]
     fn an_older_name_is_answered_with_the_new_one() {
         let said = |words: &[&str]| renamed(&words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>());
-        assert_eq!(said(&["study", "wind"]).unwrap(), "`anemo study` is now called `anemo benchmark`");
         assert_eq!(
             said(&["settings", "forget", "--all"]).unwrap(),
             "`anemo settings forget` is now called `anemo settings erase`"

@@ -1,5 +1,5 @@
 # %% [markdown]
-# # Simple laws of charge beside a diffusive model
+# # Simple laws of charge and a diffusive model
 # Charge in a dielectric is often described by one formula for its response S(t) to a step. Six such laws and anemo's
 # diffusive model are fitted to a day of pseudo-random symbols; each then forecasts the next day from its symbols alone.
 # `python python/gallery/mems_laws.py docs/results` writes the table and the picture there.

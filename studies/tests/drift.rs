@@ -1,5 +1,5 @@
 //! A heater of known gain in a room that moves, identified without options: fifty records of every
-//! kind of drift. `anemo benchmark drift` has a thousand.
+//! kind of drift. `studies benchmark drift` has a thousand.
 
 use std::fmt::Write as _;
 

@@ -50,7 +50,7 @@ const PAGES: [Page; 6] = [
         file: "command-line-wind.md",
         kind: "wind",
         about: "Estimate the wind, and measure how well this does.",
-        commands: &["wind", "combine", "meteorology", "benchmark", "thesis"],
+        commands: &["wind", "combine", "meteorology"],
     },
 ];
 

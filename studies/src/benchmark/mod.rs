@@ -1,5 +1,5 @@
 //! The benchmarks of instrument and identification: what they have to reach, and what they reach.
-//! `anemo benchmark`.
+//! `studies benchmark`.
 //!
 //! | module | holds |
 //! |---|---|

@@ -1,4 +1,4 @@
-//! Charge in the dielectric of a MEMS: `anemo benchmark mems`.
+//! Charge in the dielectric of a MEMS: `studies benchmark mems`.
 //!
 //! The device of an experiment under pseudo-random symbols for a day, from which models are
 //! identified; a second day that is set aside; closed loops of both orders, predicted from the
