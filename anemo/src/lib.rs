@@ -16,8 +16,6 @@
 //! one sentence that begins with `anemo:`.
 
 mod analyse;
-#[cfg(feature = "studies")]
-mod benchmark;
 mod board;
 mod calibrate;
 mod check;
@@ -25,7 +23,6 @@ mod choice;
 mod columns;
 mod combine;
 mod design;
-mod example;
 mod export;
 mod feeding;
 mod fit_recorder;
@@ -33,7 +30,6 @@ mod head;
 mod identify;
 mod identify_page;
 pub mod in_process;
-mod laws;
 mod live_host;
 mod live_table;
 mod log;
@@ -69,8 +65,6 @@ mod service;
 mod settings;
 mod status;
 mod sweep;
-#[cfg(feature = "studies")]
-mod thesis;
 mod validate;
 mod wind;
 
@@ -136,17 +130,11 @@ enum Subcommands {
     Combine(combine::Arguments),
     Meteorology(meteorology::Arguments),
     Validate(validate::Arguments),
-    Laws(laws::Arguments),
     Plot(plot::Arguments),
-    Example(example::Arguments),
     Export(export::Arguments),
     Reduce(reduce::Arguments),
     Analyse(analyse::Arguments),
     Predict(predict::Arguments),
-    #[cfg(feature = "studies")]
-    Thesis(thesis::Arguments),
-    #[cfg(feature = "studies")]
-    Benchmark(benchmark::Arguments),
 }
 
 /// The definition of the command line.
@@ -228,17 +216,11 @@ fn execute(command: &Subcommands) -> Result<(), output::Failure> {
         Subcommands::Combine(arguments) => combine::execute(arguments),
         Subcommands::Meteorology(arguments) => meteorology::execute(arguments),
         Subcommands::Validate(arguments) => validate::execute(arguments),
-        Subcommands::Laws(arguments) => laws::execute(arguments),
         Subcommands::Plot(arguments) => plot::execute(arguments),
-        Subcommands::Example(arguments) => example::execute(arguments),
         Subcommands::Export(arguments) => export::execute(arguments),
         Subcommands::Reduce(arguments) => reduce::execute(arguments),
         Subcommands::Analyse(arguments) => analyse::execute(arguments),
         Subcommands::Predict(arguments) => predict_device::execute(arguments),
-        #[cfg(feature = "studies")]
-        Subcommands::Thesis(arguments) => thesis::execute(arguments),
-        #[cfg(feature = "studies")]
-        Subcommands::Benchmark(arguments) => benchmark::execute(arguments),
     }
 }
 

@@ -284,13 +284,6 @@ fn misspelt(path: &std::path::Path) -> Option<String> {
     Some(format!("did you mean `{}`?", path.with_file_name(nearest).display()))
 }
 
-/// Refuses what is no folder of experiments.
-#[cfg(feature = "studies")]
-pub fn is_experiments(folder: &std::path::Path) -> Result<(), Failure> {
-    let wrong = "no folder of experiments; run it from the project's own, or say where with --experiments";
-    if folder.is_dir() { Ok(()) } else { Err(Failure::in_file(folder, wrong)) }
-}
-
 /// Refuses to write over a file that is read, by whatever path.
 pub fn keep(read: &[&std::path::Path], written: &[Option<&std::path::Path>]) -> Result<(), Failure> {
     // A pattern that names nothing is refused where it is read.

@@ -66,11 +66,3 @@ fn end_if_interrupted() {
         std::panic::resume_unwind(Box::new(Ended));
     }
 }
-
-/// Prints what is being done: to people, not into files.
-#[cfg(feature = "studies")]
-pub(super) fn announce(what: &str) {
-    if std::io::stderr().is_terminal() {
-        eprintln!("  {what}");
-    }
-}

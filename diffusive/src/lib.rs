@@ -32,7 +32,6 @@
 //! | module | holds |
 //! |---|---|
 //! | [`identify`] | models from records, with standard errors; validation against another record |
-//! | [`laws`] | simple laws (exponentials, stretched exponential, √t) beside a model, by what they forecast |
 //! | [`model`] | the model as a file; merging, reducing, exporting (Foster, Cauer, SPICE, response, C, Rust) |
 //! | [`predict`] | closed loops from a model: sliding surface, zeros, reaching, whole experiments |
 //! | [`design`] | levels, sample period and set-point of a loop from requirements |
@@ -45,7 +44,6 @@ mod macros;
 
 pub mod design;
 pub mod identify;
-pub mod laws;
 pub mod model;
 pub mod optimise;
 pub mod predict;

@@ -27,11 +27,13 @@
 //! | [`experiment`] | the experiment file, checked |
 //! | [`run`] | set-up, loop, statistics and summary of a run |
 //! | [`settings`] | what a board keeps in its flash: read, checked, changed |
+//! | [`new_head`] | a head to begin with: its file by kind, and its first experiments |
 //! | [`self_test`] | self-tests: started, waited for, reported |
 
 pub mod experiment;
 pub mod head_check;
 pub mod instrument;
+pub mod new_head;
 pub mod run;
 pub mod self_test;
 pub mod sensor;

@@ -32,8 +32,6 @@
 //! | [`model`] | a model: time-constant spectra, fits and residuals, frequency responses, structure functions |
 //! | [`closed_loop`] | poles, zeros and steps of a closed loop; predicted against recorded power |
 //! | [`head`] | a head by the normals of its surfaces, its network, and the powers that it needs by wind |
-//! | [`laws`] | simple laws beside a model: what each makes of a record, and its residuals |
-//! | [`cole_cole`] | the identification of a system whose answer is known |
 //!
 //! [`draw_file`] draws a file into a file, [`Canvas`] any figure.
 //!
@@ -44,11 +42,9 @@
 
 mod canvas;
 pub mod closed_loop;
-pub mod cole_cole;
 mod engine;
 mod error;
 pub mod head;
-pub mod laws;
 pub mod model;
 mod picture;
 pub mod run;

@@ -5,10 +5,7 @@ use crate::engine::axis::Axis;
 use crate::engine::chart::{Chart, ChartFrame, Figure};
 use crate::engine::type_face::Weight;
 use crate::picture::{PictureFormat, PictureWidth};
-use crate::{closed_loop, cole_cole, laws, model, run, tests};
-use diffusive::identify::cole_cole::{ColeColeComparison, ColeColeInput, SymbolValue, case, symbol};
-use diffusive::identify::record::RecordTable;
-use diffusive::laws::{FittedPart, LawsReport, compare};
+use crate::{closed_loop, model, run, tests};
 use diffusive::model::testing;
 use diffusive::predict::analysis_report::{AnalysisReport, AnalysisRequest};
 use resvg::usvg::roxmltree::{Document, Node};
@@ -54,44 +51,7 @@ fn figures() -> Vec<(&'static str, Figure)> {
         ("small model", model::figure(&windy, &[model::tests::fit("temperature_c_a", 9000, 1)])),
         ("closed loop", closed_loop::analysis_figure(&analysis.pair, &analysis.analysis, &analysis.changes)),
         ("prediction", closed_loop::prediction_figure(long, "recorded", &[predicted], 0.1, &winds)),
-        ("example", known_system()),
-        ("laws", laws::laws_figure(&laws_report())),
     ]
-}
-
-fn known_system() -> Figure {
-    let rates = [0.01, 0.1, 1.0, 10.0];
-    let value = |rate_rad_s: f64| SymbolValue {
-        rate_rad_s,
-        exact: symbol(rate_rad_s),
-        identified: 1.1 * symbol(rate_rad_s),
-        relative_error: 0.1,
-        interior: rate_rad_s > 0.05,
-        se: 0.01,
-    };
-    let comparison = ColeColeComparison {
-        symbol: rates.map(value).to_vec(),
-        largest_interior_error: 0.1,
-        negative_values: 0,
-        output_rmse: 0.01,
-    };
-    let case = case(ColeColeInput::Prbs, 0.1, 1, Some(200_000));
-    let output = cole_cole::output_charts(&testing::model(&rates, &[1.0; 4]), &case, ColeColeInput::Prbs);
-    Figure::new("Cole–Cole relaxation").stack(cole_cole::spectrum_charts(&comparison).into_iter().chain(output))
-}
-
-/// A record that no law follows but one.
-fn laws_report() -> LawsReport {
-    let input: Vec<f64> = (0..400).map(|n| f64::from(n / 7 * 7919 % 13 % 2)).collect();
-    let mut state = [0.0; 2];
-    let output = input.iter().map(|u| {
-        state = [state[0] + 0.2 * (u - state[0]), state[1] + 0.01 * (u - state[1])];
-        20.0 + state[0] + 3.0 * state[1]
-    });
-    let output: Vec<f64> = output.collect();
-    let column = |name: &str, values| vec![(name.to_owned(), values)];
-    let mut table = RecordTable::new(0.5, column("power_w", input), column("temperature_c", output)).unwrap();
-    compare(&mut table, FittedPart::default(), &mut |_, _, _| {}).unwrap()
 }
 
 fn number(node: Node<'_, '_>, name: &str) -> f64 {

@@ -3,8 +3,8 @@
 //!
 //! | module | what |
 //! |---|---|
-//! | [`thesis`] | its experiments, with its published values beside ours: `anemo thesis` |
-//! | [`benchmark`] | what the whole instrument has to reach, and what it reaches: `anemo benchmark` |
+//! | [`thesis`] | its experiments, with its published values beside ours: `studies thesis` |
+//! | [`benchmark`] | what the whole instrument has to reach, and what it reaches: `studies benchmark` |
 //!
 //! ```
 //! use studies::thesis::{STUDIES, StudyLab};

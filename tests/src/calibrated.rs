@@ -1,6 +1,6 @@
 //! A calibrated sphere B for tests of its answers, and what it is blown at with.
 //!
-//! The head is one that `anemo benchmark wind --heads` wrote. How good it is, is no matter of these
+//! The head is one that `studies benchmark wind --heads` wrote. How good it is, is no matter of these
 //! tests; that it is made well, the test `wind_chain` asks.
 
 use std::path::{Path, PathBuf};

@@ -2,6 +2,7 @@
 //! made from them.
 
 pub mod calibrated;
+pub mod cole_cole;
 pub mod fake_board;
 pub mod fuzz;
 pub mod injection;

@@ -7,7 +7,6 @@ use clap::{Arg, ArgAction, Command};
 const FUNCTIONS: [(&str, &str, &str); 20] = [
     ("identify", "identify", "Model"),
     ("validate", "validate", "Report"),
-    ("laws", "laws", "Report"),
     ("merge", "merge", "Model"),
     ("reduce", "reduce", "Model"),
     ("export", "export", "Report"),

@@ -32,7 +32,7 @@ const PAGES: [Page; 6] = [
         file: "command-line-models.md",
         kind: "thermal models",
         about: "Identify thermal models, judge and convert them.",
-        commands: &["identify", "merge", "validate", "laws", "export", "reduce", "example"],
+        commands: &["identify", "merge", "validate", "export", "reduce"],
     },
     Page {
         file: "command-line-loops.md",
@@ -50,7 +50,7 @@ const PAGES: [Page; 6] = [
         file: "command-line-wind.md",
         kind: "wind",
         about: "Estimate the wind, and measure how well this does.",
-        commands: &["wind", "combine", "meteorology", "benchmark", "thesis"],
+        commands: &["wind", "combine", "meteorology"],
     },
 ];
 

@@ -29,8 +29,8 @@ const FIRST: [&str; 13] = [
 ];
 
 /// What is only parsed: a user's own table, a board and its log, the emulator, a cluster, a killed
-/// program, studies of minutes.
-const PARSED: [&str; 15] = [
+/// program.
+const PARSED: [&str; 11] = [
     "calibrate speeds.csv",
     "head compare",
     " mast/",
@@ -42,10 +42,6 @@ const PARSED: [&str; 15] = [
     "anemo combine",
     "wind everywhere.parquet",
     "wind today.parquet",
-    "anemo benchmark",
-    "anemo thesis\n",
-    "anemo thesis rems",
-    "anemo example",
 ];
 
 /// Shorter experiments: longer ticks, fewer and shorter winds.

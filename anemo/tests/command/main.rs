@@ -9,7 +9,6 @@ mod currents;
 mod examples;
 mod export;
 mod head;
-mod laws;
 mod long_record;
 mod losses;
 mod many_elements;

@@ -58,7 +58,7 @@ pub struct Choice {
 }
 
 /// Error ahead of measured records of few steps, as a part of their output's spread: the median of
-/// 62 parts of three rigs, `anemo benchmark measured`.
+/// 62 parts of three rigs, `studies benchmark measured`.
 const USUAL: f64 = 0.14;
 
 /// For every term whether it is held at or above zero, why, and what that costs.

@@ -150,7 +150,7 @@ pub fn warnings(
 
 /// Error ahead, as a part of the output's spread, from which on an average is not to be relied on:
 /// of 62 parts of measured records none of those above it was predicted by more than 85 %
-/// (`anemo benchmark measured`).
+/// (`studies benchmark measured`).
 const FAR: f64 = 0.25;
 /// Travel of an input, in ranges, below which it does not come back.
 const BACK: f64 = 1.2;

@@ -1,4 +1,4 @@
-//! Effects of the field on the wind of sphere B: `anemo benchmark field`.
+//! Effects of the field on the wind of sphere B: `studies benchmark field`.
 //!
 //! Each specimen is identified and calibrated without any effect, by the records of
 //! `experiments/wind/quick`, and judged in the winds of `experiments/field`, in which something is
@@ -36,7 +36,7 @@ const SKY_K: f64 = 0.5;
 /// A tenth of a turn in the time of the experiment.
 const SLOW_SUN_S: f64 = 12_000.0;
 
-/// What `anemo benchmark field` reports.
+/// What `studies benchmark field` reports.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FieldReport {
     /// How many specimens were calibrated.
@@ -141,7 +141,7 @@ impl FieldReport {
             format!("{}{}\n{rows}", line(TITLES.map(str::to_owned)), "|---".repeat(TITLES.len()) + "|")
         };
         format!(
-            "# Effects of the field\n\nBy `anemo benchmark field --specimens {}`, {day}. {}\n\n{}\n## In the tunnel, too\n\n{OWN}\n\n{}",
+            "# Effects of the field\n\nBy `cargo run --release -p studies -- benchmark field --specimens {}`, {day}. {}\n\n{}\n## In the tunnel, too\n\n{OWN}\n\n{}",
             self.specimens,
             self.legend(),
             table(&self.effects),

@@ -1,5 +1,5 @@
 //! The experiments of the thesis, run on the simulated sensors, with its findings beside ours:
-//! `anemo thesis`.
+//! `studies thesis`.
 //!
 //! | module | holds |
 //! |---|---|

@@ -1,4 +1,4 @@
-//! What `anemo thesis` prints: the studies that were run, as text and as JSON.
+//! What `studies thesis` prints: the studies that were run, as text and as JSON.
 
 use std::fmt;
 use std::path::PathBuf;

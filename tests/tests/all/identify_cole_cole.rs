@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use diffusive::identify::cole_cole::{
+use anemo_tests::cole_cole::{
     ColeColeCase, ColeColeComparison, ColeColeInput, THESIS_ORDER, case, compare, thesis_mesh_rad_s,
 };
 use diffusive::identify::record::RecordTable;

@@ -24,9 +24,9 @@ const CRATES: [(&str, &[&str]); 18] = [
     ("dielectric", &["nix", "parquet", "serialport"]),
     ("anemo", &["clap", "nix", "parquet", "serialport"]),
     ("anemo-python", &["clap", "nix", "parquet", "serialport"]),
-    ("studies", &["parquet"]),
+    ("studies", &["clap", "parquet"]),
     ("sweep", &["parquet"]),
-    ("anemo-tests", &["nix", "parquet", "serialport"]),
+    ("anemo-tests", &["clap", "nix", "parquet", "serialport"]),
     ("xtask", &["clap"]),
     ("image-analysis", &[]),
     // The one crate that may depend on code under the GPL: nothing that is shipped depends on it.

@@ -31,7 +31,7 @@ use recording::text::{count, estimate, short};
 const UNLIKELY: f64 = 5.0;
 /// What a gas that is a kelvin beyond those of the calibration adds to the uncertainty of the
 /// speed, as its share, and of the direction, °: of calibrations in gas of one temperature, and of
-/// several (`anemo benchmark field`).
+/// several (`studies benchmark field`).
 const AWAY_OF_ONE: (f64, f64) = (1.6e-3, 0.016);
 const AWAY_OF_TWO: (f64, f64) = (1.5e-4, 0.008);
 /// How far apart quiescent gas was for these, K.

@@ -53,18 +53,12 @@ pub use times::TimeUnit;
 /// A whole record as one block, with the labels of its classes: for records that fit in memory.
 pub fn read_all(path: &Path, selection: &Selection) -> Result<(Survey, Block, Vec<String>), RecordError> {
     let mut stream = RecordStream::open(path, selection)?;
-    let all = read_rows(&mut stream)?;
-    Ok((stream.survey().clone(), all, stream.classes().to_vec()))
-}
-
-/// All rows of a record as one block.
-pub fn read_rows(source: &mut dyn RecordSource) -> Result<Block, RecordError> {
-    source.restart()?;
+    stream.restart()?;
     let mut all = Block::default();
-    while let Some(block) = source.next_block()? {
+    while let Some(block) = stream.next_block()? {
         all.append(block);
     }
-    Ok(all)
+    Ok((stream.survey().clone(), all, stream.classes().to_vec()))
 }
 
 #[cfg(test)]

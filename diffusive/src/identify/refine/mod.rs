@@ -28,8 +28,6 @@ mod free_poles;
 mod report;
 mod search;
 
-pub(crate) use search::LEAST_RATIO;
-
 use dr_core::model::ORDER;
 
 use self::columns::{Point, RefinedBank, Setup};

@@ -1,4 +1,4 @@
-//! From nothing to wind on heads of every form: `anemo benchmark heads`.
+//! From nothing to wind on heads of every form: `studies benchmark heads`.
 //!
 //! Each head comes as a folder that `anemo head new` writes: records in quiescent gas, a tunnel,
 //! and winds that the calibration has not seen. A head of one element is also operated at constant

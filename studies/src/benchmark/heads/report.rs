@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::{BANDWIDTH, HeadFigures, MeasuredHead};
 
-/// What `anemo benchmark heads` reports.
+/// What `studies benchmark heads` reports.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct HeadsReport {
     /// Head by head, and mode by mode.

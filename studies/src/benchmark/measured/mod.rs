@@ -1,5 +1,5 @@
 //! Measured records: their beginning identified without options, the rest predicted, and what was
-//! said of it before held against what came. `anemo benchmark measured`.
+//! said of it before held against what came. `studies benchmark measured`.
 //!
 //! Nothing of the rest's output is used: the model goes on from the last row that it was identified
 //! from. The records are tables as loggers write them, one file each, and are no part of the

@@ -73,7 +73,7 @@ impl MeasuredReport {
             "# Measured records, predicted\n\n\
              Records of other people's rigs, which are no part of the project: the first 40, 50 and 60 % of their rows are \
              identified without options, the rest is predicted and nothing of its output is used. Measured on {day} by\n\n\
-             ```\nanemo benchmark measured --tables FOLDER\n```\n\n{self}"
+             ```\ncargo run --release -p studies -- benchmark measured --tables FOLDER\n```\n\n{self}"
         )
     }
 }

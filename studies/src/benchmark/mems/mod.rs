@@ -1,4 +1,4 @@
-//! Charge in the dielectric of a MEMS: `anemo benchmark mems`.
+//! Charge in the dielectric of a MEMS: `studies benchmark mems`.
 //!
 //! The device of an experiment under pseudo-random symbols for a day, from which models are
 //! identified; a second day that is set aside; closed loops of both orders, predicted from the
@@ -24,7 +24,6 @@ use std::path::Path;
 use dielectric::experiment::DeviceExperiment;
 use diffusive::identify::validate::{ValidationStart, validate};
 use diffusive::identify::{Constraints, DriftGiven, IdentifyOptions, InitialState, identify};
-use diffusive::laws::{FittedPart, compare};
 use plot::Canvas;
 
 pub use error::MemsError;
@@ -45,9 +44,7 @@ pub fn measure(experiments: &Path, pictures: &Path, progress: &dyn Fn(&str)) -> 
     let record = records::run_of(&prbs)?;
     picture("mems-prbs.svg")?.draw(&plot::run::figure(&record.recording)?)?;
     let readings = readings::compare(&prbs, &record);
-    progress("laws and the diffusive model");
-    let report = compare(&mut record.table()?, FittedPart::UntilS(DAY_S), &mut |_, _, _| {})?;
-    picture("mems-laws.svg")?.draw(&plot::laws::laws_figure(&report))?;
+    progress("the diffusive model");
     let day = (DAY_S / record.symbol_time_s) as usize - 1;
     let options = IdentifyOptions {
         drift: DriftGiven::None,
@@ -69,5 +66,5 @@ pub fn measure(experiments: &Path, pictures: &Path, progress: &dyn Fn(&str)) -> 
     progress("plateaus");
     let plateaus = plateaus::compare(&read("locking.toml")?)?;
     let two_symbols = TwoSymbolFigures::of(&two_symbols, &model);
-    Ok(MemsReport { readings, laws: report, two_symbols, held, days, plateaus })
+    Ok(MemsReport { readings, two_symbols, held, days, plateaus })
 }

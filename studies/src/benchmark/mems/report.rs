@@ -3,7 +3,6 @@
 use std::fmt;
 
 use diffusive::identify::validate::ValidationReport;
-use diffusive::laws::LawsReport;
 use diffusive::model::{Model, Pair};
 use recording::text::{columns, four_digits as brief};
 use serde::Serialize;
@@ -17,9 +16,7 @@ use super::readings::ReadingFigures;
 pub struct MemsReport {
     /// Over the first hour, and the whole record.
     pub readings: [ReadingFigures; 2],
-    /// A day fitted, the next one forecast.
-    pub laws: LawsReport,
-    /// The diffusive model of two inputs, one a symbol, on the same days.
+    /// The diffusive model of two inputs, one a symbol: a day fitted, the next one forecast.
     pub two_symbols: TwoSymbolFigures,
     /// Set-points, predicted and simulated.
     pub held: Vec<LoopFigures>,
@@ -71,23 +68,8 @@ impl MemsReport {
             ]
         });
         let percent = |fit: Option<f64>| fit.map_or_else(|| "–".to_owned(), |fit| format!("{fit:.2} %"));
-        let laws = self.laws.laws.iter().map(|of| {
-            vec![
-                of.law.clone(),
-                of.numbers.to_string(),
-                percent(of.fitted.fit_percent),
-                percent(of.held_out.fit_percent),
-                brief(of.held_out.rmse),
-            ]
-        });
         let [up_v, down_v] = self.two_symbols.steady_v.map(brief);
-        let two = vec![
-            format!("diffusive model of two symbols, from rest ({up_v} and {down_v} V in the end)"),
-            "–".to_owned(),
-            "–".to_owned(),
-            percent(self.two_symbols.fit_percent),
-            brief(self.two_symbols.rmse_v),
-        ];
+        let two = vec![percent(self.two_symbols.fit_percent), brief(self.two_symbols.rmse_v), up_v, down_v];
         let held = self.held.iter().map(|of| {
             let [predicted, simulated] = of.mean_symbol;
             let [predicted_v, simulated_v] = of.mean_shift_v;
@@ -136,8 +118,8 @@ impl MemsReport {
             },
             ResultTable {
                 title: "A day identified, the next one forecast",
-                head: vec!["law", "numbers", "fit, first day", "fit, second day", "V rms"],
-                rows: laws.chain([two]).collect(),
+                head: vec!["fit, second day", "V rms", "1 for ever, V", "−1 for ever, V"],
+                rows: vec![two],
             },
             ResultTable {
                 title: "Set-points, predicted from the model and simulated",
@@ -184,8 +166,7 @@ impl MemsReport {
         let fill = [
             ("day", day),
             ("readings", &tables[0]),
-            ("laws", &tables[1]),
-            ("best", &self.laws.best),
+            ("model", &tables[1]),
             ("held", &tables[2]),
             ("days", &tables[3]),
             ("plateaus", &tables[4]),
@@ -196,11 +177,10 @@ impl MemsReport {
 
 impl fmt::Display for MemsReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for of in self.tables() {
+        self.tables().into_iter().try_for_each(|of| {
             let mut lines = vec![of.head.iter().map(|&cell| cell.to_owned()).collect()];
             lines.extend(of.rows);
-            writeln!(f, "{}:\n{}", of.title, columns(&lines, &[]))?;
-        }
-        writeln!(f, "{}", self.laws.best)
+            writeln!(f, "{}:\n{}", of.title, columns(&lines, &[]))
+        })
     }
 }

@@ -1,4 +1,4 @@
-//! Constant temperature, current and power on one head: `anemo benchmark modes`.
+//! Constant temperature, current and power on one head: `studies benchmark modes`.
 //!
 //! ```text
 //! r = Σ P_i / (T_i − T_gas)       the reading of all three: a conductance

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::compared::{ModeFigures, OperatingMode, WINDS_M_S};
 
-/// What `anemo benchmark modes` reports.
+/// What `studies benchmark modes` reports.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ModesReport {
     /// Head by head.
@@ -134,7 +134,10 @@ impl ModesReport {
     /// The page of a day.
     pub fn page(&self, day: &str) -> String {
         let parts: String = self.heads.iter().map(HeadModes::page).collect();
-        format!("# Operating modes\n\nBy `anemo benchmark modes`, {day}. {}\n{parts}", legend())
+        format!(
+            "# Operating modes\n\nBy `cargo run --release -p studies -- benchmark modes`, {day}. {}\n{parts}",
+            legend()
+        )
     }
 }
 

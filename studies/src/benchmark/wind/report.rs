@@ -1,4 +1,4 @@
-//! What `anemo benchmark wind` prints: its page as text, and its numbers as JSON.
+//! What `studies benchmark wind` prints: its page as text, and its numbers as JSON.
 
 use std::fmt;
 

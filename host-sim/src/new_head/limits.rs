@@ -1,23 +1,24 @@
 //! Heads and overheats whose experiments would come to nothing, and what to know of the others.
 
+use std::fmt::Display;
+
+use super::error::NewHeadError;
+use crate::head_check::{ElementFault, HeadCheckReport};
 use anemometry::calibrate::drawn::drawn;
 use anemometry::calibrate::{DrawnOptions, LossLaw};
 use anemometry::head::Head;
-use host_sim::head_check::{ElementFault, HeadCheckReport};
 use recording::text::short;
-
-use crate::output::Failure;
 
 /// Longest experiment.
 const MOST_DAYS: f64 = 7.0;
 const DAY_S: f64 = 86_400.0;
 
 /// Refuses what would trip, hold nothing, or take too long.
-pub fn refuse(head: &Head, report: &HeadCheckReport, longest_s: f64) -> Result<(), Failure> {
+pub fn refuse(head: &Head, report: &HeadCheckReport, longest_s: f64) -> Result<(), NewHeadError> {
     if let Some(fault) = &report.fault {
         return Err(match fault.fault {
-            ElementFault::Shorted { .. } | ElementFault::Senses => Failure::in_file(&head.source.path, fault),
-            _ => Failure::usage(format!("--overheat is {}: {fault}", report.conditions.overheat_k)),
+            ElementFault::Shorted { .. } | ElementFault::Senses => in_file(head, fault),
+            _ => NewHeadError::Refused(format!("--overheat is {}: {fault}", report.conditions.overheat_k)),
         });
     }
     if longest_s > MOST_DAYS * DAY_S {
@@ -26,9 +27,14 @@ pub fn refuse(head: &Head, report: &HeadCheckReport, longest_s: f64) -> Result<(
         let sentence = format!(
             "`body` has a slowest time constant of {slowest_s} s, so that identifying it would take {days} days: {MOST_DAYS} are the most, by less `capacity_j_k` or more `conductance_w_k`"
         );
-        return Err(Failure::in_file(&head.source.path, sentence));
+        return Err(in_file(head, sentence));
     }
     Ok(())
+}
+
+/// Refuses a head by its file.
+fn in_file(head: &Head, sentence: impl Display) -> NewHeadError {
+    NewHeadError::Refused(format!("{}: {sentence}", head.source.path.display()))
 }
 
 /// Why `anemo calibrate` would refuse the head as it is operated.

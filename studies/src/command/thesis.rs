@@ -1,12 +1,13 @@
-//! `anemo thesis`: the experiments of the thesis on the simulated sensors.
+//! `studies thesis`: the experiments of the thesis on the simulated sensors.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use crate::output::Failure;
-use crate::progress::announce;
+use anyhow::{Context as _, Result, anyhow, ensure};
 use host_sim::experiment::Experiment;
 use recording::text::suggest;
 use studies::thesis::{STUDIES, Study, StudyError, StudyLab, ThesisReport, page};
+
+use super::output::{self, announce};
 
 /// Run the experiments of the thesis on the simulated sensors, and compare its findings with ours.
 ///
@@ -15,9 +16,9 @@ use studies::thesis::{STUDIES, Study, StudyError, StudyLab, ThesisReport, page};
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
-  anemo thesis --list
-  anemo thesis
-  anemo thesis rems-self -o out/results")]
+  studies thesis --list
+  studies thesis
+  studies thesis rems-self -o out/results")]
 pub struct Arguments {
     /// The studies, as --list names them; by default all, and a page over them.
     #[arg(value_name = "STUDY")]
@@ -37,44 +38,41 @@ pub struct Arguments {
     json: bool,
 }
 
-pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+pub fn execute(arguments: &Arguments) -> Result<()> {
     if arguments.list {
-        return crate::output::print(
-            &STUDIES.iter().map(|study| format!("{:22} {}\n", study.name, study.title())).collect::<String>(),
-        );
+        let line = |study: &Study| format!("{:22} {}\n", study.name, study.title());
+        return output::print(&STUDIES.iter().map(line).collect::<String>());
     }
     let studies = chosen(&arguments.names)?;
-    crate::output::is_experiments(&arguments.experiments)?;
-    if arguments.output.exists() && !arguments.output.is_dir() {
-        return Err(Failure::usage(format!(
-            "{}: is a file, and a folder for pages and pictures belongs here",
-            arguments.output.display()
-        )));
-    }
+    output::is_experiments(&arguments.experiments)?;
+    ensure!(
+        !arguments.output.exists() || arguments.output.is_dir(),
+        "{}: is a file, and a folder for pages and pictures belongs here",
+        arguments.output.display()
+    );
     read_all(&arguments.experiments)?;
-    std::fs::create_dir_all(&arguments.output).map_err(|error| Failure::in_file(&arguments.output, error))?;
+    output::make_folder(&arguments.output)?;
     let lab = StudyLab::new(&arguments.experiments, &announce);
     let mut done = Vec::with_capacity(studies.len());
     for study in studies {
         announce(study.name);
-        let findings = study.run(&lab).map_err(|error| failure(study, error))?;
-        page::write(&arguments.output, study, &findings).map_err(Failure::work)?;
+        let findings = study.run(&lab).map_err(|error| in_study(study, error))?;
+        page::write(&arguments.output, study, &findings)?;
         done.push((study, findings));
     }
     // The page over all of them is of all of them.
     if arguments.names.is_empty() {
-        page::write_index(&arguments.output, &done).map_err(Failure::work)?;
+        page::write_index(&arguments.output, &done)?;
     }
     let report = ThesisReport { studies: done, folder: arguments.output.clone() };
-    crate::output::print_report(&report, arguments.json)
+    output::print_report(&report, arguments.json)
 }
 
 /// Reads every experiment of the folder, so that no study begins, and no page is written, while one
 /// of them is wrong.
-fn read_all(folder: &std::path::Path) -> Result<(), Failure> {
-    let unreadable = |error: std::io::Error| Failure::in_file(folder, error);
-    for entry in std::fs::read_dir(folder).map_err(unreadable)? {
-        let path = entry.map_err(unreadable)?.path();
+fn read_all(folder: &Path) -> Result<()> {
+    for entry in std::fs::read_dir(folder).with_context(|| folder.display().to_string())? {
+        let path = entry?.path();
         if path.extension().is_some_and(|extension| extension == "toml") {
             Experiment::read(&path)?;
         }
@@ -83,31 +81,21 @@ fn read_all(folder: &std::path::Path) -> Result<(), Failure> {
 }
 
 /// The studies of these names.
-fn chosen(names: &[String]) -> Result<Vec<&'static Study>, Failure> {
+fn chosen(names: &[String]) -> Result<Vec<&'static Study>> {
     let of = |name: &String| {
         STUDIES.iter().find(|study| study.name == name).ok_or_else(|| {
             let hint = suggest(name, STUDIES.iter().map(|study| study.name));
-            Failure::usage(format!("there is no study `{name}`; {hint}"))
+            anyhow!("there is no study `{name}`; {hint}")
         })
     };
     if names.is_empty() { Ok(STUDIES.iter().collect()) } else { names.iter().map(of).collect() }
 }
 
-impl From<StudyError> for Failure {
-    fn from(error: StudyError) -> Self {
-        match error {
-            StudyError::File(error) => error.into(),
-            StudyError::Run(error) => error.into(),
-            other => Self::work(other),
-        }
-    }
-}
-
-fn failure(study: &Study, error: StudyError) -> Failure {
-    match error {
-        StudyError::File(_) | StudyError::Run(_) => error.into(),
-        other => Failure::work(format!("{}: {other}", study.name)),
-    }
+/// A failure with its study, unless it names a file or an experiment itself.
+fn in_study(study: &Study, error: StudyError) -> anyhow::Error {
+    let is_placed = matches!(error, StudyError::File(_) | StudyError::Run(_));
+    let error = anyhow::Error::from(error);
+    if is_placed { error } else { error.context(study.name) }
 }
 
 #[cfg(test)]
@@ -116,7 +104,7 @@ mod tests {
 
     fn refused(output: PathBuf, experiments: PathBuf) -> String {
         let names = vec!["rems-self".to_owned()];
-        execute(&Arguments { names, list: false, output, experiments, json: false }).err().unwrap().sentence
+        execute(&Arguments { names, list: false, output, experiments, json: false }).unwrap_err().to_string()
     }
 
     #[test]

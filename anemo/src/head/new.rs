@@ -1,19 +1,12 @@
 //! `anemo head new`: a folder to begin with, a head file and its first experiments.
 
-mod experiments;
-mod limits;
-mod template;
-
 use std::path::{Path, PathBuf};
 
 use anemometry::head::Head;
-use recording::toml_file::{FileError, TomlSource};
+use host_sim::new_head::{self, NewExperiments, NewHeadError, NewHeadKind, OVERHEAT_K};
 
 use crate::choice::choice;
 use crate::output::Failure;
-pub use experiments::OVERHEAT_K;
-use experiments::{NewExperiments, experiments};
-pub use template::NewHeadKind;
 
 /// Winds to estimate.
 const WINDS: u32 = 30;
@@ -59,23 +52,13 @@ pub struct NewArguments {
     overheat: f64,
 }
 
-/// Writes a head and its experiments into a folder that is not there yet; `winds` is how many there
-/// are to estimate.
-///
-/// # Errors
-/// If the folder is there, or cannot be written.
-pub fn write(folder: &Path, head: &Head, overheat_k: f64, winds: u32) -> Result<NewExperiments, Failure> {
-    let experiments = experiments(head, overheat_k, winds)?;
-    if folder.exists() {
-        let sentence = format!("{}: is there already; nothing was written", folder.display());
-        return Err(Failure::usage(sentence));
+impl From<NewHeadError> for Failure {
+    fn from(error: NewHeadError) -> Self {
+        match error {
+            NewHeadError::Unwritten { .. } => Self::work(error),
+            error => Self::usage(error),
+        }
     }
-    std::fs::create_dir_all(folder).map_err(|error| Failure::in_file(folder, error))?;
-    crate::output::write_text(&folder.join("head.toml"), &head.source.text)?;
-    for (file, text) in &experiments.files {
-        crate::output::write_text(&folder.join(file), text)?;
-    }
-    Ok(experiments)
 }
 
 /// Writes the folder.
@@ -90,7 +73,7 @@ pub fn begin(arguments: &NewArguments) -> Result<(), Failure> {
     let overheat_k = arguments.overheat;
     crate::output::positive(&[("--overheat", Some(overheat_k))])?;
     let head = head(arguments, name)?;
-    let made = write(folder, &head, overheat_k, WINDS)?;
+    let made = new_head::write(folder, &head, overheat_k, WINDS)?;
     made.too_strong.iter().chain(&made.uncalibrated).for_each(|note| crate::output::warn(note));
     crate::output::print(&next(Path::display(folder), &made, overheat_k))
 }
@@ -133,15 +116,7 @@ fn head(arguments: &NewArguments, name: &str) -> Result<Head, Failure> {
         let counts: Vec<String> = known.iter().map(usize::to_string).collect();
         return Err(Failure::usage(format!("--sectors is {sectors}: a head of this kind has {}", counts.join(", "))));
     }
-    Ok(of_kind(kind, name, sectors)?)
-}
-
-/// The head of a kind.
-///
-/// # Errors
-/// None of a kind that there is.
-pub fn of_kind(kind: NewHeadKind, name: &str, sectors: usize) -> Result<Head, FileError> {
-    Head::from_source(TomlSource { path: "head.toml".into(), text: kind.text(name, sectors) })
+    Ok(new_head::of_kind(kind, name, sectors)?)
 }
 
 fn is_name(name: &str) -> bool {

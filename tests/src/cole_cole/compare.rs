@@ -2,8 +2,8 @@
 
 use super::case::ColeColeCase;
 use super::exact::{THESIS_ORDER, symbol, thesis_mesh_rad_s};
-use crate::model::export::continuous_symbol;
-use crate::model::{Forward, Model, ModelError};
+use diffusive::model::export::continuous_symbol;
+use diffusive::model::{Forward, Model, ModelError};
 
 /// One rate of an identified symbol.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]

@@ -3,8 +3,8 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::identify::record::RecordError;
-use crate::identify::{DriftGiven, IdentifyOptions, identify};
+use diffusive::identify::record::RecordError;
+use diffusive::identify::{DriftGiven, IdentifyOptions, identify};
 
 use super::room::{RoomDrift, record, true_gain_k_per_w};
 
@@ -64,7 +64,7 @@ fn identified(room: RoomDrift, seed: u64) -> Result<DriftOutcome, RecordError> {
         identify(&mut record, &options, &mut |_, _, _| {}, &mut |_| {})
     };
     let model = gain(DriftGiven::Auto)?;
-    let of = |model: &crate::model::Model| {
+    let of = |model: &diffusive::model::Model| {
         let class = &model.pairs[0].classes["all"];
         (class.steady_gain_k_per_w - true_gain_k_per_w(), class.se_steady_gain_k_per_w)
     };

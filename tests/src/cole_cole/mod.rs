@@ -17,12 +17,10 @@
 mod case;
 mod compare;
 mod exact;
-mod report;
 
 pub use case::{ColeColeCase, ColeColeInput, ROWS, SAMPLE_PERIOD_S, case};
 pub use compare::{ColeColeComparison, SymbolValue, compare, predicted};
 pub use exact::{THESIS_ORDER, step_response, symbol, symbol_of, thesis_mesh_rad_s};
-pub use report::ColeColeReport;
 
 #[cfg(test)]
 mod tests;

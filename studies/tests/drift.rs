@@ -1,15 +1,15 @@
 //! A heater of known gain in a room that moves, identified without options: fifty records of every
-//! kind of drift. `anemo benchmark drift` has a thousand.
+//! kind of drift. `studies benchmark drift` has a thousand.
 
 use std::fmt::Write as _;
 
 use diffusive::identify::record::{RecordSource as _, RecordStream, RecordTable, Selection};
-use diffusive::identify::rig::room::{SAMPLE_PERIOD_S, record_and_room, true_gain_k_per_w};
-use diffusive::identify::rig::{DriftFigures, DriftReport, RoomDrift, campaign};
 use diffusive::identify::{DriftGiven, DriftKind, FitRow, IdentifyOptions, identify};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
 use rand_distr::{Distribution as _, StandardNormal};
+use studies::benchmark::drift::room::{SAMPLE_PERIOD_S, record_and_room, true_gain_k_per_w};
+use studies::benchmark::drift::{DriftFigures, DriftReport, RoomDrift, campaign};
 
 const RECORDS: u64 = 50;
 

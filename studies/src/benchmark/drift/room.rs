@@ -9,8 +9,8 @@
 
 use std::f64::consts::TAU;
 
-use crate::identify::record::{RecordError, RecordTable};
-use crate::identify::{DriftGiven, DriftKind};
+use diffusive::identify::record::{RecordError, RecordTable};
+use diffusive::identify::{DriftGiven, DriftKind};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
 use rand_distr::{Distribution as _, StandardNormal};

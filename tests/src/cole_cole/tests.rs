@@ -5,12 +5,12 @@ use dr_core::model::mesh;
 use nalgebra::{SMatrix, SVector};
 
 use super::*;
-use crate::identify::record::RecordTable;
-use crate::identify::{IdentifyOptions, identify};
-use crate::model::Model;
-use crate::model::certainty::response_error;
-use crate::model::export::response_in_class;
-use crate::model::testing;
+use diffusive::identify::record::RecordTable;
+use diffusive::identify::{IdentifyOptions, identify};
+use diffusive::model::Model;
+use diffusive::model::certainty::response_error;
+use diffusive::model::export::response_in_class;
+use diffusive::model::testing;
 
 /// ∫ f(ξ) dξ from e^−50 to e^50 rad/s, by the trapezoidal rule over ln ξ, which converges
 /// geometrically for such a function.

@@ -1,14 +1,13 @@
 //! The first experiments of a new head: long enough for its slowest and its usual time constants.
 
+use super::error::NewHeadError;
+use crate::head_check::{ElementCheck, GivenConditions, HeadCheckReport, check};
 use anemometry::calibrate::drawn::drawn;
 use anemometry::calibrate::{DrawnOptions, LossLaw};
 use anemometry::head::body::BodyLink;
 use anemometry::head::{Head, HeadElement};
 use dr_core::wind::HeadForm;
-use host_sim::head_check::{ElementCheck, GivenConditions, HeadCheckReport, check};
 use recording::text::short;
-
-use crate::output::Failure;
 
 /// Usual overheat of the experiments, K.
 pub const OVERHEAT_K: f64 = 20.0;
@@ -95,7 +94,7 @@ fn plane(head: &Head) -> String {
 ///
 /// # Errors
 /// If the head cannot be simulated, or not operated so.
-pub fn experiments(head: &Head, overheat_k: f64, count: u32) -> Result<NewExperiments, Failure> {
+pub fn experiments(head: &Head, overheat_k: f64, count: u32) -> Result<NewExperiments, NewHeadError> {
     let report = check(head, GivenConditions::default(), |conditions| conditions.overheat_k = overheat_k)?;
     let held: Vec<&str> = report.elements.iter().filter(|of| of.held).map(|of| of.name.as_str()).collect();
     let slowest_s = report.time_constants_s.first().copied().unwrap_or(1.0);

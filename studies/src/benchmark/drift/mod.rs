@@ -1,5 +1,5 @@
 //! A rig whose gain is known, in a room that drifts: is the identified gain right, and as sure as
-//! its standard error says? `anemo benchmark drift`.
+//! its standard error says? `studies benchmark drift`.
 //!
 //! | module | holds |
 //! |---|---|

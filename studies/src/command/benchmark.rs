@@ -1,20 +1,21 @@
-//! `anemo benchmark`: the numbers that instrument and identification have to reach, measured on
+//! `studies benchmark`: the numbers that instrument and identification have to reach, measured on
 //! simulated sensors.
 
 use std::path::{Path, PathBuf};
 
-use crate::head::new::{self, NewHeadKind};
-use crate::output::Failure;
-use crate::progress::announce;
 use anemometry::head::Head;
-use diffusive::identify::rig::{DriftFigures, DriftReport, RoomDrift, campaign};
+use anyhow::{Context as _, Result, ensure};
+use host_sim::new_head::{self, NewHeadKind};
 use recording::utc;
+use studies::benchmark::drift::{DriftFigures, DriftReport, RoomDrift, campaign};
 use studies::benchmark::field;
 use studies::benchmark::heads;
 use studies::benchmark::measured;
 use studies::benchmark::mems;
 use studies::benchmark::modes;
 use studies::benchmark::wind::{self, BenchmarkReport, page};
+
+use super::output::{self, announce};
 
 /// Measure what instrument and identification have to reach, on simulated sensors.
 ///
@@ -37,7 +38,7 @@ use studies::benchmark::wind::{self, BenchmarkReport, page};
 /// with buoyancy and a cooled stem: how wrong the wind is, and whether the estimates say so. Half a
 /// minute a specimen.
 ///
-/// `mems`: charge in the dielectric of a MEMS: readings, models and laws, closed loops predicted
+/// `mems`: charge in the dielectric of a MEMS: readings, a model, closed loops predicted
 /// and simulated, and where they lock. --experiments names its own folder.
 ///
 /// `heads`: heads of every form as `anemo head new` writes them, from nothing to wind: identified,
@@ -46,15 +47,15 @@ use studies::benchmark::wind::{self, BenchmarkReport, page};
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
-  anemo benchmark wind
-  anemo benchmark wind -o out --heads out/heads --json
-  anemo benchmark drift --records 50
-  anemo benchmark measured --tables records
-  anemo benchmark modes --head heads/sphere-b.toml -o out
-  anemo benchmark field --specimens 20 -o out
-  anemo benchmark mems --experiments experiments/mems -o out
-  anemo benchmark heads --winds 30 -o out
-  anemo benchmark heads --head heads/metwind.toml --overheat 20 -o out")]
+  studies benchmark wind
+  studies benchmark wind -o out --heads out/heads --json
+  studies benchmark drift --records 50
+  studies benchmark measured --tables records
+  studies benchmark modes --head heads/sphere-b.toml -o out
+  studies benchmark field --specimens 20 -o out
+  studies benchmark mems --experiments experiments/mems -o out
+  studies benchmark heads --winds 30 -o out
+  studies benchmark heads --head heads/metwind.toml --overheat 20 -o out")]
 pub struct Arguments {
     /// What is measured.
     #[arg(value_name = "wind|drift|measured|modes|field|mems|heads")]
@@ -78,7 +79,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE", required_if_eq("name", "modes"))]
     head: Vec<PathBuf>,
     /// Their elements over the gas, K.
-    #[arg(long, value_name = "K", default_value_t = 30.0)]
+    #[arg(long, value_name = "K", default_value_t = 30.0, value_parser = positive)]
     overheat: f64,
     /// Heads within the ranges of its unknown numbers, where it has any.
     #[arg(long, value_name = "COUNT", default_value_t = 8)]
@@ -105,7 +106,7 @@ enum BenchmarkName {
     Heads,
 }
 
-pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+pub fn execute(arguments: &Arguments) -> Result<()> {
     match arguments.name {
         BenchmarkName::Wind => wind_benchmark(arguments),
         BenchmarkName::Drift => drift_benchmark(arguments),
@@ -118,7 +119,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// The table goes into a page of the folder, dated.
-fn drift_benchmark(arguments: &Arguments) -> Result<(), Failure> {
+fn drift_benchmark(arguments: &Arguments) -> Result<()> {
     let mut kinds = Vec::new();
     for room in RoomDrift::ALL {
         announce(&room.name());
@@ -127,58 +128,54 @@ fn drift_benchmark(arguments: &Arguments) -> Result<(), Failure> {
     }
     let report = DriftReport { kinds };
     dated(&arguments.output, "drift.md", &|day| report.page(day, arguments.records))?;
-    crate::output::print_report(&report, arguments.json)
+    output::print_report(&report, arguments.json)
 }
 
-fn measured_benchmark(arguments: &Arguments) -> Result<(), Failure> {
-    let Some(folder) = &arguments.tables else { return Err(Failure::usage("measured needs --tables FOLDER")) };
-    let unread = |error: std::io::Error| Failure::in_file(folder, format!("cannot be read: {error}"));
-    let tables = measured::tables(folder).map_err(unread)?;
-    if tables.is_empty() {
-        return Err(Failure::in_file(folder, "holds no .csv table"));
-    }
-    let report = measured::measured(&tables, &|path| announce(&path.display().to_string())).map_err(unread)?;
+fn measured_benchmark(arguments: &Arguments) -> Result<()> {
+    let folder = arguments.tables.as_ref().context("measured needs --tables FOLDER")?;
+    let unread = || format!("{}: cannot be read", folder.display());
+    let tables = measured::tables(folder).with_context(unread)?;
+    ensure!(!tables.is_empty(), "{}: holds no .csv table", folder.display());
+    let report = measured::measured(&tables, &|path| announce(&path.display().to_string())).with_context(unread)?;
     dated(&arguments.output, "measured.md", &|day| report.page(day))?;
-    crate::output::print_report(&report, arguments.json)
+    output::print_report(&report, arguments.json)
 }
 
-fn modes_benchmark(arguments: &Arguments) -> Result<(), Failure> {
+fn modes_benchmark(arguments: &Arguments) -> Result<()> {
     let overheat_k = arguments.overheat;
-    crate::output::positive(&[("--overheat", Some(overheat_k))])?;
     let heads = arguments.head.iter().map(|path| Head::read(path)).collect::<Result<Vec<_>, _>>()?;
     // A head that cannot be compared does not take the figures of the others with it.
     let (mut report, mut failed) = (modes::ModesReport { heads: Vec::new() }, Ok(()));
     for head in &heads {
         match modes::compare(head, overheat_k, arguments.draws, &announce) {
             Ok(compared) => report.heads.push(compared),
-            Err(error) => failed = failed.and(Err(Failure::work(format!("{}: {error}", head.name)))),
+            Err(error) => failed = failed.and(Err(anyhow::Error::from(error).context(head.name.clone()))),
         }
     }
     if !report.heads.is_empty() {
         dated(&arguments.output, "modes.md", &|day| report.page(day))?;
-        crate::output::print_report(&report, arguments.json)?;
+        output::print_report(&report, arguments.json)?;
     }
     failed
 }
 
-fn field_benchmark(arguments: &Arguments) -> Result<(), Failure> {
-    crate::output::is_experiments(&arguments.experiments)?;
+fn field_benchmark(arguments: &Arguments) -> Result<()> {
+    output::is_experiments(&arguments.experiments)?;
     let report = field::measure(&arguments.experiments, arguments.specimens, &announce)?;
     dated(&arguments.output, "field.md", &|day| report.page(day))?;
-    crate::output::print_report(&report, arguments.json)
+    output::print_report(&report, arguments.json)
 }
 
-fn mems_benchmark(arguments: &Arguments) -> Result<(), Failure> {
+fn mems_benchmark(arguments: &Arguments) -> Result<()> {
     let folder = &arguments.output;
-    std::fs::create_dir_all(folder).map_err(|error| Failure::in_file(folder, format!("cannot be made: {error}")))?;
-    let report = mems::measure(&arguments.experiments, folder, &announce).map_err(Failure::work)?;
+    output::make_folder(folder)?;
+    let report = mems::measure(&arguments.experiments, folder, &announce)?;
     dated(folder, "mems.md", &|day| report.page(day))?;
-    crate::output::print_report(&report, arguments.json)
+    output::print_report(&report, arguments.json)
 }
 
 /// Heads of every kind, or those that are given, in a folder that goes again.
-fn heads_benchmark(arguments: &Arguments) -> Result<(), Failure> {
-    crate::output::positive(&[("--overheat", Some(arguments.overheat))])?;
+fn heads_benchmark(arguments: &Arguments) -> Result<()> {
     let is_given = !arguments.head.is_empty();
     let heads: Vec<Head> = match is_given {
         true => arguments.head.iter().map(|path| Head::read(path)).collect::<Result<_, _>>()?,
@@ -192,45 +189,53 @@ fn heads_benchmark(arguments: &Arguments) -> Result<(), Failure> {
             ("sphere-6", NewHeadKind::Sphere, 6),
         ]
         .into_iter()
-        .map(|(name, kind, sectors)| new::of_kind(kind, name, sectors))
+        .map(|(name, kind, sectors)| new_head::of_kind(kind, name, sectors))
         .collect::<Result<_, _>>()?,
     };
-    let overheat_k = if is_given { arguments.overheat } else { new::OVERHEAT_K };
-    let folder = tempfile::tempdir().map_err(Failure::work)?;
+    let overheat_k = if is_given { arguments.overheat } else { new_head::OVERHEAT_K };
+    let folder = tempfile::tempdir()?;
     let mut report = heads::HeadsReport::default();
     for (n, head) in heads.iter().enumerate() {
         let own = folder.path().join(n.to_string());
-        new::write(&own, head, overheat_k, arguments.winds)?;
+        new_head::write(&own, head, overheat_k, arguments.winds)?;
         report.extend(heads::measure(&own, is_given, &announce)?);
     }
     let (file, title, command) = match is_given {
-        true => ("own-heads.md", "Heads from their files", "anemo benchmark heads --head …"),
-        false => ("heads.md", "Heads of every form", "anemo benchmark heads"),
+        true => {
+            ("own-heads.md", "Heads from their files", "cargo run --release -p studies -- benchmark heads --head …")
+        }
+        false => ("heads.md", "Heads of every form", "cargo run --release -p studies -- benchmark heads"),
     };
     dated(&arguments.output, file, &|day| report.page(title, command, day))?;
-    crate::output::print_report(&report, arguments.json)
+    output::print_report(&report, arguments.json)
 }
 
 /// Writes a page of results that says the day.
-fn dated(folder: &Path, name: &str, page: &dyn Fn(&str) -> String) -> Result<(), Failure> {
+fn dated(folder: &Path, name: &str, page: &dyn Fn(&str) -> String) -> Result<()> {
     let date = utc::rfc3339(utc::seconds_of(std::time::SystemTime::now()));
     let day = date.split('T').next().unwrap_or_default();
-    std::fs::create_dir_all(folder).map_err(|error| Failure::in_file(folder, format!("cannot be made: {error}")))?;
-    crate::output::write_text(&folder.join(name), &page(day))
+    output::make_folder(folder)?;
+    output::write_text(&folder.join(name), &page(day))
 }
 
-fn wind_benchmark(arguments: &Arguments) -> Result<(), Failure> {
-    crate::output::is_experiments(&arguments.experiments)?;
+fn wind_benchmark(arguments: &Arguments) -> Result<()> {
+    output::is_experiments(&arguments.experiments)?;
     for folder in [Some(&arguments.output), arguments.heads.as_ref()].into_iter().flatten() {
-        std::fs::create_dir_all(folder)
-            .map_err(|error| Failure::in_file(folder, format!("cannot be made: {error}")))?;
+        output::make_folder(folder)?;
     }
     let all = wind::both(&arguments.experiments, &announce)?;
-    crate::output::write_text(&arguments.output.join("wind.md"), &page::page(&all).map_err(Failure::work)?)?;
+    output::write_text(&arguments.output.join("wind.md"), &page::page(&all)?)?;
     if let Some(folder) = &arguments.heads {
         for of in &all {
-            crate::output::write_text(&folder.join(format!("{}-calibrated.toml", of.sphere.folder)), &of.text)?;
+            output::write_text(&folder.join(format!("{}-calibrated.toml", of.sphere.folder)), &of.text)?;
         }
     }
-    crate::output::print_report(&BenchmarkReport(&all), arguments.json)
+    output::print_report(&BenchmarkReport(&all), arguments.json)
+}
+
+/// Reads a finite number above 0.
+fn positive(text: &str) -> Result<f64> {
+    let value = text.parse()?;
+    ensure!(f64::is_finite(value) && value > 0.0, "{value} must be finite and above 0");
+    Ok(value)
 }

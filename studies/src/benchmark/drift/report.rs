@@ -68,7 +68,7 @@ impl DriftReport {
              A heater of {:.0} K/W on three relaxations (0.8, 14 and 240 s), 90 min of pseudo-random power at 20 Hz after one quiet \
              minute, 8 mK of noise, in a room that moves by 0.15 K. {records} records of each kind, identified without options. \
              \u{201c}Known drift\u{201d} is a fit that is told its kind. Measured on {day} by\n\n\
-             ```\nanemo benchmark drift --records {records}\n```\n\n{self}",
+             ```\ncargo run --release -p studies -- benchmark drift --records {records}\n```\n\n{self}",
             super::room::true_gain_k_per_w()
         )
     }
