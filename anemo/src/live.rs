@@ -11,7 +11,7 @@ use publish::feed::Feed;
 use publish::listen::{Listening, Token};
 use publish::page::LivePage;
 
-use crate::board::{Emulation, InstrumentArguments, On};
+use crate::instrument::{Emulation, InstrumentArguments, On};
 use crate::feeding;
 use crate::live_host::LiveHost;
 use crate::log::verdict;

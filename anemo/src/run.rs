@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
-use crate::board::{InstrumentArguments, On};
+use crate::instrument::{InstrumentArguments, On};
 use crate::live_table::LiveTable;
 use crate::output::Failure;
 use crate::picture::PictureArguments;
@@ -41,7 +41,7 @@ pub struct Arguments {
     #[command(flatten)]
     pub(super) instrument: InstrumentArguments,
     /// Record every tick to this .parquet or .csv file, or to a folder of segments.
-    #[arg(short, long, value_name = "FILE|FOLDER")]
+    #[arg(short, long = "output-file", value_name = "FILE|FOLDER")]
     pub(super) output: Option<PathBuf>,
     /// Length of a folder's segments: a time, or a size (64MB).
     #[arg(long, value_name = "LENGTH", default_value = "10min")]

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
-use crate::board::{InstrumentArguments, On};
+use crate::instrument::{InstrumentArguments, On};
 use crate::live_table::LiveTable;
 use crate::output::Failure;
 use crate::progress::on_interrupt;

@@ -4,21 +4,18 @@
 use clap::{Arg, ArgAction, Command};
 
 /// Commands that work on files and models, what they are called in Python, and what they give.
-const FUNCTIONS: [(&str, &str, &str); 21] = [
+const FUNCTIONS: [(&str, &str, &str); 18] = [
     ("identify", "identify", "Model"),
-    ("gram", "gram", "Report"),
     ("validate", "validate", "Report"),
-    ("laws", "laws", "Report"),
-    ("merge", "merge", "Model"),
-    ("reduce", "reduce", "Model"),
-    ("export", "export", "Report"),
+    ("model merge", "merge", "Model"),
+    ("model reduce", "reduce", "Model"),
+    ("model export", "export", "Report"),
     ("analyse", "analyse", "Report"),
     ("design", "design", "Report"),
     ("predict", "predict", "Report"),
     ("check", "check", "Report"),
     ("run", "simulate", "Table"),
     ("plot", "plot", "Report"),
-    ("convert", "convert", "Report"),
     ("head identify", "identify_head", "Network"),
     ("head check", "check_head", "Report"),
     ("head compare", "compare_heads", "Report"),
