@@ -37,7 +37,8 @@ pub fn refusal(command: &clap::Command, words: &[String]) -> Option<Failure> {
         let rest = words[1..].iter().map(|word| format!(" {}", quoted(word))).collect::<String>();
         let moved = MOVED.iter().find(|(old, _)| *old == first);
         let moved = moved.map(|(old, new)| format!("`anemo {old}` is now `anemo {new}`; type: anemo {new}{rest}"));
-        let gone = || GONE.iter().find(|(old, _)| *old == first).map(|(old, now)| format!("`anemo {old}` is gone; {now}"));
+        let gone =
+            || GONE.iter().find(|(old, _)| *old == first).map(|(old, now)| format!("`anemo {old}` is gone; {now}"));
         return moved.or_else(gone).map(Failure::usage);
     }
     let mut leaf = command;
@@ -105,7 +106,10 @@ mod tests {
 
     #[test]
     fn what_exists_and_what_never_existed_is_left_to_the_parser() {
-        assert_eq!([answer("run a.toml --on sim -o a.csv"), answer("blow"), answer("--help"), answer("")], [const { None }; 4]);
+        assert_eq!(
+            [answer("run a.toml --on sim -o a.csv"), answer("blow"), answer("--help"), answer("")],
+            [const { None }; 4]
+        );
     }
 
     #[test]

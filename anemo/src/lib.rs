@@ -313,7 +313,8 @@ mod tests {
     #[test]
     fn output_is_a_column_and_the_short_option_a_file_everywhere() {
         let root = command();
-        let arguments: Vec<&clap::Arg> = all_commands(&root).into_iter().flat_map(clap::Command::get_arguments).collect();
+        let arguments: Vec<&clap::Arg> =
+            all_commands(&root).into_iter().flat_map(clap::Command::get_arguments).collect();
         let value = |argument: &clap::Arg| argument.get_value_names().unwrap_or_default()[0].to_string();
         let columns = arguments.iter().filter(|argument| argument.get_long() == Some("output"));
         assert!(columns.map(|argument| value(argument)).all(|value| value == "COLUMN"));

@@ -4,8 +4,8 @@ use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
-use crate::instrument::{InstrumentArguments, On};
 use crate::feeding;
+use crate::instrument::{InstrumentArguments, On};
 use crate::live_table::LiveTable;
 use crate::log_files::{ENDED, LogStatus, MarkReader};
 use crate::log_host::{Host, PressureFile};
