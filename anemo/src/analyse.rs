@@ -8,8 +8,10 @@ use diffusive::model::Model;
 use diffusive::predict::analysis_report::{AnalysisReport, AnalysisRequest};
 use plot::closed_loop;
 
-/// Analyse a closed loop from a model: whether it can hold a set-point, and how fast its power
-/// responds.
+/// Analyse a given loop on a model: can it hold its set-point, how fast.
+///
+/// `design` chooses a loop from requirements. `analyse` examines one given loop at its set-point.
+/// `predict` predicts the powers of a whole experiment.
 ///
 /// In the limit of fast sampling the time constants of a loop at its set-point are the transmission
 /// zeros of the model. One class of one pair is analysed, and every change of the wind from it. The
@@ -30,7 +32,7 @@ Examples:
       --high 0.042 --sample-period 0.01 --plot loop.svg
   anemo analyse winds.json --class still --json")]
 pub struct Arguments {
-    /// The model: a .json file of `anemo identify`, `merge` or `reduce`.
+    /// The model: a .json file of `anemo identify` or `anemo model`.
     model: PathBuf,
     /// Pair, where the model has several: columns (power_w_a:temperature_c_b) or elements (a:b).
     #[arg(long, value_name = "INPUT:OUTPUT", conflicts_with = "element")]

@@ -17,7 +17,7 @@ use diffusive::model::Model;
 use dr_core::wind::HeadForm;
 use recording::text::{brief, count};
 
-/// Calibrate a head in known winds, so that it outputs wind instead of power.
+/// Calibrate a head in known winds.
 ///
 /// The recordings are runs in a tunnel of known winds, at constant temperature, current or power.
 /// With the quiescent-gas network they give the convective loss of each surface in every steady
@@ -71,7 +71,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     head: Option<PathBuf>,
     /// Write the calibrated head to this .toml file.
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long = "output-file", value_name = "FILE")]
     output: Option<PathBuf>,
     /// Winds by label, a .csv or .parquet file; by default those of the recordings (simulated
     /// tunnels).

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::board::On;
+use crate::instrument::On;
 use crate::output::Failure;
 use dielectric::experiment::DeviceCheck;
 use host_sim::run::CheckReport;

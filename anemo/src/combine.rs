@@ -19,8 +19,10 @@ use dr_core::wind::QualityFlags;
 use recording::text::count;
 use recording::{Metadata, RecordingLayout, RecordingRow, WriterOptions, check_name, wind};
 
-/// Combine instruments that each see a part of the wind: cards or boards round a boom, booms,
-/// cylinders or wires on different axes, a vane.
+/// Combine instruments that each see a part of the wind.
+///
+/// Instruments are cards or boards round a boom, booms, cylinders or wires on different axes, a
+/// vane.
 ///
 /// The files are those of `anemo wind`, one an instrument; a single element knows the speed only.
 /// In known winds from everywhere, or all around a plane (a tunnel, simulated or with --winds), it
@@ -63,7 +65,7 @@ pub struct Arguments {
     settle: f64,
     /// Write the combination to this .json file, or with --by the winds to this .parquet or .csv
     /// file.
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long = "output-file", value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]
     picture: PictureArguments,

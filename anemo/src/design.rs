@@ -8,7 +8,10 @@ use diffusive::model::Model;
 use diffusive::model::pair_class::PairClass;
 use diffusive::predict::loop_model::{LoopModel, of_another_gas};
 
-/// Recommend levels, sample period and set-point for a closed loop, from a model and requirements.
+/// Choose levels, sample period and set-point of a loop on a model.
+///
+/// `design` chooses a loop from requirements. `analyse` examines one given loop at its set-point.
+/// `predict` predicts the powers of a whole experiment.
 ///
 /// The recommended loop is simulated on the model, and the result printed beside the prediction.
 #[derive(clap::Args)]
@@ -23,7 +26,7 @@ Examples:
       --reach 600 --json
   anemo design conductance.json --target 10 --conductance 0..0.01")]
 pub struct Arguments {
-    /// The model: a .json file of `anemo identify`, `merge` or `reduce`.
+    /// The model: a .json file of `anemo identify` or `anemo model`.
     model: PathBuf,
     /// Set-point, K above the temperature without heating (of the first wind), or a range that
     /// would do.

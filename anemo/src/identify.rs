@@ -13,8 +13,9 @@ use diffusive::identify::record::{RecordSource as _, RecordStream};
 use diffusive::identify::report::IdentifyReport;
 use plot::model::figure;
 
-/// Identify a diffusive model from a record: thermal resistances on a logarithmic grid of rates
-/// (diffusive mesh), with standard errors.
+/// Identify a thermal model from a record, with standard errors.
+///
+/// The model is diffusive: thermal resistances on a logarithmic grid of rates (diffusive mesh).
 ///
 /// The record is a recording of `anemo run`, or any table that a logger writes with the time in its
 /// first column. Gaps end a segment, across which nothing is taken. Options not given are chosen by

@@ -5,9 +5,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use clap::Parser as _;
 use recording::interrupt;
 
+use crate::Unparsed;
 use crate::output::hear;
 pub use crate::output::{Failure, HeardCommand};
 use crate::progress::Ended;
@@ -25,9 +25,10 @@ pub struct Performed {
 /// flag ends what takes long, as Ctrl-C does.
 pub fn perform(words: &[String], interrupted: &Arc<AtomicBool>) -> Performed {
     let (outcome, heard) = hear(|| {
-        let arguments = std::iter::once("anemo".to_owned()).chain(words.iter().cloned());
-        let arguments = crate::CommandLine::try_parse_from(arguments)
-            .map_err(|error| Failure::usage(crate::one_sentence(&error, words.first().map(String::as_str))))?;
+        let arguments = crate::parsed(words).map_err(|unparsed| match unparsed {
+            Unparsed::Refused(failure) => failure,
+            Unparsed::Shown(error) => Failure::usage(crate::one_sentence(&error, words)),
+        })?;
         let work = || crate::execute(&arguments.command);
         let done = interrupt::interruptible(interrupted, || catch_unwind(AssertUnwindSafe(work)));
         done.unwrap_or_else(|panic| match panic.downcast::<Ended>() {

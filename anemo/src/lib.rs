@@ -10,7 +10,7 @@
 //! | 1 | what was asked for makes sense, but failed |
 //! | 2 | the command, or a file that it names, is wrong; nothing was started |
 //! | 3 | a run or a log that tripped; what was recorded is kept |
-//! | 4 | a run or a log that ended early, or a sweep whose runs are not all done; what there is is kept |
+//! | 4 | a run or a log that ended early; recorded rows are kept |
 //!
 //! A summary goes to stdout, as text or, with `--json`, as one JSON object. Errors go to stderr,
 //! one sentence that begins with `anemo:`.
@@ -23,13 +23,15 @@ mod choice;
 mod columns;
 mod combine;
 mod design;
-mod export;
 mod feeding;
 mod fit_recorder;
+mod gone;
 mod head;
 mod identify;
 mod identify_page;
 pub mod in_process;
+mod instrument;
+mod live;
 mod live_host;
 mod live_table;
 mod log;
@@ -37,10 +39,8 @@ mod log_files;
 mod log_host;
 mod log_source;
 mod mark;
-
-mod live;
-mod merge;
 mod meteorology;
+mod model;
 mod model_options;
 mod mounting_options;
 mod output;
@@ -56,27 +56,23 @@ mod publish_options;
 mod record;
 mod recorded;
 mod recover;
-mod reduce;
 mod replay;
 mod run;
 mod run_device;
 mod self_test;
 mod service;
-mod settings;
-mod status;
-mod sweep;
 mod validate;
 mod wind;
 
 use std::process::ExitCode;
 
-use clap::{CommandFactory as _, Parser, Subcommand};
+use clap::error::ErrorKind;
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
 /// Width of help, also where a terminal is wider.
 const MOST_COLUMNS: usize = 80;
 
-/// Thermal sigma-delta anemometers: run experiments on a simulated or real sensor, identify thermal
-/// models from the recordings, and predict closed loops with these models.
+/// Thermal sigma-delta anemometers: run experiments, identify thermal models, measure wind.
 #[derive(Parser)]
 #[command(
     name = "anemo",
@@ -84,159 +80,177 @@ const MOST_COLUMNS: usize = 80;
     arg_required_else_help = true,
     max_term_width = MOST_COLUMNS,
     after_help = "\
-Examples:
-  anemo check experiments/gusts.toml
+First steps:
   anemo run experiments/gusts.toml --on sim -o gusts.parquet --plot gusts.svg
-  anemo plot gusts.parquet -o gusts.svg
-  anemo run experiments/prbs.toml --on sim -o prbs.parquet
-  anemo identify prbs.parquet --output sector1 --free-poles 4 -o sector1.json
-  anemo validate sector1.json again.parquet
-  anemo analyse sector1.json --pair sector1:sector1 --target 15
-  anemo head identify id-*.parquet -o network.json
-  anemo calibrate tunnel.parquet --network network.json -o head.toml
+  anemo identify heater.csv --output temperature_c -o heater.json
   anemo wind winds.parquet --head head.toml --plot winds.svg
-  anemo self-test experiments/gusts.toml --on serial:/dev/ttyACM0
-  anemo run experiments/gusts.toml --on serial:/dev/ttyACM0 -o gusts.csv
-  anemo settings show --on serial:/dev/ttyACM0
-  anemo status --on serial:/dev/ttyACM0
 
-again.parquet, id-*.parquet, tunnel.parquet and winds.parquet are made as the
-help of `validate`, `head identify`, `calibrate` and `wind` says; heater.csv and
-three-winds.csv there are tables of your own."
+`anemo COMMAND --help` has options and examples of each command."
 )]
 struct CommandLine {
     #[command(subcommand)]
     command: Subcommands,
 }
 
-#[derive(Subcommand)]
-enum Subcommands {
-    Run(run::Arguments),
-    Sweep(sweep::Arguments),
-    Log(log::Arguments),
-    Mark(mark::Arguments),
-    Live(live::Arguments),
-    Recover(recover::Arguments),
-    SelfTest(self_test::Arguments),
-    Settings(settings::Arguments),
-    Status(status::Arguments),
-    Check(check::Arguments),
-    Design(design::Arguments),
-    Identify(identify::Arguments),
-    Merge(merge::Arguments),
-    Head(head::Arguments),
-    Calibrate(calibrate::Arguments),
-    Wind(wind::Arguments),
-    Combine(combine::Arguments),
-    Meteorology(meteorology::Arguments),
-    Validate(validate::Arguments),
-    Plot(plot::Arguments),
-    Export(export::Arguments),
-    Reduce(reduce::Arguments),
-    Analyse(analyse::Arguments),
-    Predict(predict::Arguments),
+/// Declares the commands by groups of the help: the enum that clap reads, where each runs, and how
+/// many each group has.
+macro_rules! commands {
+    ($($heading:literal { $($name:ident: $module:ident),+ $(,)? })+) => {
+        #[derive(Subcommand)]
+        enum Subcommands {
+            $($($name($module::Arguments),)+)+
+        }
+
+        /// Runs a command.
+        fn execute(command: &Subcommands) -> Result<(), output::Failure> {
+            match command {
+                $($(Subcommands::$name(arguments) => $module::execute(arguments),)+)+
+            }
+        }
+
+        /// Headings of the help, each with the number of its commands, in the order of the commands.
+        const GROUPS: &[(&str, usize)] = &[$(($heading, [$(stringify!($name)),+].len())),+];
+    };
 }
 
-/// The definition of the command line.
+commands! {
+    "Instrument" {
+        Check: check,
+        Run: run,
+        Live: live,
+        Log: log,
+        Mark: mark,
+        SelfTest: self_test,
+        Board: board,
+    }
+    "Thermal models" {
+        Identify: identify,
+        Validate: validate,
+        Analyse: analyse,
+        Design: design,
+        Predict: predict_device,
+        Model: model,
+    }
+    "Wind" {
+        Head: head,
+        Calibrate: calibrate,
+        Wind: wind,
+        Combine: combine,
+        Meteorology: meteorology,
+    }
+    "Files" {
+        Plot: plot,
+        Recover: recover,
+    }
+}
+
+/// Definition of the command line.
 pub fn command() -> clap::Command {
-    CommandLine::command()
+    let command = CommandLine::command();
+    let list = list_of_commands(&command);
+    command.help_template(format!(
+        "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{list}Options:\n{{options}}{{after-help}}"
+    ))
 }
 
-/// Why a command line is refused, if it is; `words` are those behind `anemo`.
+/// Groups of the help: headings, each with the names of its commands.
+pub fn groups() -> Vec<(&'static str, Vec<String>)> {
+    let command = CommandLine::command();
+    let mut names = command.get_subcommands().map(|command| command.get_name().to_owned());
+    GROUPS.iter().map(|(heading, count)| (*heading, names.by_ref().take(*count).collect())).collect()
+}
+
+/// Lines of the help: commands by groups, each with what it does.
+fn list_of_commands(command: &clap::Command) -> String {
+    let mut list = String::new();
+    for (heading, names) in groups() {
+        list += &format!("{heading}:\n");
+        for name in names {
+            let about = command.find_subcommand(&name).and_then(clap::Command::get_about);
+            list += &format!("  {name:<12} {}\n", about.map(ToString::to_string).unwrap_or_default());
+        }
+        list.push('\n');
+    }
+    list
+}
+
+/// Command line that runs nothing.
+enum Unparsed {
+    /// Help or version, which is printed.
+    Shown(clap::Error),
+    Refused(output::Failure),
+}
+
+/// Parses the words after `anemo`.
+fn parsed(words: &[String]) -> Result<CommandLine, Unparsed> {
+    if let Some(failure) = gone::refusal(&command(), words) {
+        return Err(Unparsed::Refused(failure));
+    }
+    let matches = command().try_get_matches_from(std::iter::once("anemo").chain(words.iter().map(String::as_str)));
+    matches.and_then(|matches| CommandLine::from_arg_matches(&matches)).map_err(|error| match error.kind() {
+        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => Unparsed::Shown(error),
+        _ if error.use_stderr() => Unparsed::Refused(output::Failure::usage(one_sentence(&error, words))),
+        _ => Unparsed::Shown(error),
+    })
+}
+
+/// Reason for which a command line is refused; `words` are those after `anemo`.
 pub fn refusal(words: &[String]) -> Option<String> {
-    let parsed = CommandLine::try_parse_from(std::iter::once("anemo".to_owned()).chain(words.iter().cloned()));
-    let refused = parsed.err().filter(clap::Error::use_stderr);
-    refused.map(|error| one_sentence(&error, words.first().map(String::as_str)))
+    match parsed(words).err()? {
+        Unparsed::Refused(failure) => Some(failure.sentence),
+        Unparsed::Shown(error) => error.use_stderr().then(|| one_sentence(&error, words)),
+    }
 }
 
-/// Does what the command line of this process asks for.
+/// Runs the command line of this process.
 pub fn main() -> ExitCode {
     let words: Result<Vec<String>, std::ffi::OsString> =
         std::env::args_os().skip(1).map(std::ffi::OsString::into_string).collect();
     ExitCode::from(match words {
-        Ok(words) => main_of(words),
+        Ok(words) => main_of(&words),
         Err(word) => {
-            output::complain(&format!("`{}` is no text in UTF-8: rename what it names", word.display()));
+            output::complain(&format!("`{}` is not valid UTF-8; rename the file", word.display()));
             2
         }
     })
 }
 
-/// The same for these words, which are those behind `anemo`; gives the exit code.
-pub fn main_of(words: Vec<String>) -> u8 {
-    let arguments = match CommandLine::try_parse_from(std::iter::once("anemo".to_owned()).chain(words.iter().cloned()))
-    {
-        Ok(arguments) => arguments,
-        Err(error)
-            if error.use_stderr()
-                && error.kind() != clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand =>
-        {
-            output::complain(&one_sentence(&error, words.first().map(String::as_str)));
-            return 2;
-        }
-        Err(error) => {
-            // Help and version. That nobody reads them is no failure.
-            return match error.print() {
-                Err(unprinted) if unprinted.kind() != std::io::ErrorKind::BrokenPipe => {
-                    output::complain(&format!("it cannot be printed: {unprinted}"));
-                    1
-                }
-                _ => u8::from(error.use_stderr()) * 2,
-            };
-        }
+/// Runs a command line and returns its exit code; `words` are those after `anemo`.
+pub fn main_of(words: &[String]) -> u8 {
+    let done = match parsed(words) {
+        Ok(arguments) => execute(&arguments.command),
+        Err(Unparsed::Refused(failure)) => Err(failure),
+        Err(Unparsed::Shown(error)) => match error.print() {
+            // A reader that has gone away is not a failure.
+            Err(unprinted) if unprinted.kind() != std::io::ErrorKind::BrokenPipe => {
+                Err(output::Failure::work(format!("it cannot be printed: {unprinted}")))
+            }
+            _ => return u8::from(error.use_stderr()) * 2,
+        },
     };
-    match execute(&arguments.command) {
-        Ok(()) => 0,
-        Err(failure) => {
+    done.map_or_else(
+        |failure| {
             output::complain(&failure.sentence);
             failure.code
-        }
-    }
+        },
+        |()| 0,
+    )
 }
 
-/// Does what a subcommand asks for.
-fn execute(command: &Subcommands) -> Result<(), output::Failure> {
-    match command {
-        Subcommands::Run(arguments) => run::execute(arguments),
-        Subcommands::Sweep(arguments) => sweep::execute(arguments, refusal),
-        Subcommands::Log(arguments) => log::execute(arguments),
-        Subcommands::Mark(arguments) => mark::execute(arguments),
-        Subcommands::Live(arguments) => live::execute(arguments),
-        Subcommands::Recover(arguments) => recover::execute(arguments),
-        Subcommands::SelfTest(arguments) => self_test::execute(arguments),
-        Subcommands::Settings(arguments) => settings::execute(arguments),
-        Subcommands::Status(arguments) => status::execute(arguments),
-        Subcommands::Check(arguments) => check::execute(arguments),
-        Subcommands::Design(arguments) => design::execute(arguments),
-        Subcommands::Identify(arguments) => identify::execute(arguments),
-        Subcommands::Merge(arguments) => merge::execute(arguments),
-        Subcommands::Head(arguments) => head::execute(arguments),
-        Subcommands::Calibrate(arguments) => calibrate::execute(arguments),
-        Subcommands::Wind(arguments) => wind::execute(arguments),
-        Subcommands::Combine(arguments) => combine::execute(arguments),
-        Subcommands::Meteorology(arguments) => meteorology::execute(arguments),
-        Subcommands::Validate(arguments) => validate::execute(arguments),
-        Subcommands::Plot(arguments) => plot::execute(arguments),
-        Subcommands::Export(arguments) => export::execute(arguments),
-        Subcommands::Reduce(arguments) => reduce::execute(arguments),
-        Subcommands::Analyse(arguments) => analyse::execute(arguments),
-        Subcommands::Predict(arguments) => predict_device::execute(arguments),
-    }
-}
-
-/// Clap's message to a command without its usage block, in one line.
-fn one_sentence(error: &clap::Error, command: Option<&str>) -> String {
+/// Clap's message without its usage block, in one line, with the help to look into.
+fn one_sentence(error: &clap::Error, words: &[String]) -> String {
     let text = error.to_string();
     let parts =
         text.lines().take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"));
     let parts: Vec<&str> = parts.map(str::trim).filter(|line| !line.is_empty()).collect();
     let joined = parts.join("; ").replace(":; ", ": ");
     let joined = joined.strip_prefix("error: ").unwrap_or(&joined);
-    // The help of the subcommand that was meant, if there is such a one.
-    let known = CommandLine::command();
-    let command = command.filter(|name| known.find_subcommand(name).is_some());
-    let command = command.map_or(String::new(), |name| format!("{name} "));
-    format!("{joined} (see `anemo {command}--help`)")
+    let (mut known, mut name) = (&CommandLine::command(), String::new());
+    for word in words {
+        let Some(found) = known.find_subcommand(word) else { break };
+        (known, name) = (found, format!("{name}{word} "));
+    }
+    format!("{joined} (see `anemo {name}--help`)")
 }
 
 #[cfg(test)]
@@ -279,10 +293,43 @@ mod tests {
     }
 
     #[test]
+    fn every_command_is_listed_once_in_a_line_of_the_help() {
+        let command = command();
+        let listed: Vec<String> = groups().into_iter().flat_map(|(_, names)| names).collect();
+        let known: Vec<&str> = command.get_subcommands().map(clap::Command::get_name).collect();
+        assert_eq!(listed, known);
+        assert!(known.len() <= 22, "{}", known.len());
+        let help = command.clone().render_help().to_string();
+        for name in known {
+            assert_eq!(help.lines().filter(|line| line.starts_with(&format!("  {name} "))).count(), 1, "{name}");
+        }
+        assert!(help.lines().all(|line| line.chars().count() <= MOST_COLUMNS), "{help}");
+    }
+
+    /// A command and all below it.
+    fn all_commands(command: &clap::Command) -> Vec<&clap::Command> {
+        std::iter::once(command).chain(command.get_subcommands().flat_map(all_commands)).collect()
+    }
+
+    #[test]
+    fn output_is_a_column_and_the_short_option_a_file_everywhere() {
+        let root = command();
+        let arguments: Vec<&clap::Arg> =
+            all_commands(&root).into_iter().flat_map(clap::Command::get_arguments).collect();
+        let value = |argument: &clap::Arg| argument.get_value_names().unwrap_or_default()[0].to_string();
+        let columns = arguments.iter().filter(|argument| argument.get_long() == Some("output"));
+        assert!(columns.map(|argument| value(argument)).all(|value| value == "COLUMN"));
+        let files: Vec<_> = arguments.iter().filter(|argument| argument.get_short() == Some('o')).collect();
+        assert!(files.len() > 10, "{}", files.len());
+        for file in files {
+            assert_eq!(file.get_long(), Some("output-file"));
+            assert!(["FILE", "FOLDER", "FILE|FOLDER"].contains(&value(file).as_str()), "{}", value(file));
+        }
+    }
+
+    #[test]
     fn a_wrong_option_is_one_sentence_with_the_right_one() {
-        let error =
-            CommandLine::try_parse_from(["anemo", "run", "a.toml", "--on", "sim", "--plto", "x.svg"]).err().unwrap();
-        let sentence = one_sentence(&error, Some("run"));
+        let sentence = refusal(&["run", "a.toml", "--on", "sim", "--plto", "x.svg"].map(str::to_owned)).unwrap();
         assert!(
             sentence.starts_with("unexpected argument '--plto' found; tip: a similar argument exists: '--plot'"),
             "{sentence}"
@@ -293,14 +340,13 @@ mod tests {
 
     #[test]
     fn a_wrong_value_leads_to_the_help_of_its_command() {
-        let sentence = |arguments: &[&str]| {
-            one_sentence(&CommandLine::try_parse_from(arguments).err().unwrap(), arguments.get(1).copied())
-        };
-        let wrong = sentence(&["anemo", "wind", "a.parquet", "--bandwidth", "fast"]);
+        let sentence =
+            |words: &[&str]| refusal(&words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>()).unwrap();
+        let wrong = sentence(&["wind", "a.parquet", "--bandwidth", "fast"]);
         assert!(wrong.ends_with("(see `anemo wind --help`)"), "{wrong}");
-        let missing = sentence(&["anemo", "calibrate"]);
+        let missing = sentence(&["calibrate"]);
         assert!(missing.ends_with("(see `anemo calibrate --help`)"), "{missing}");
-        let unknown = sentence(&["anemo", "blow"]);
+        let unknown = sentence(&["blow"]);
         assert!(unknown.ends_with("(see `anemo --help`)"), "{unknown}");
     }
 }

@@ -11,8 +11,8 @@ use publish::feed::Feed;
 use publish::listen::{Listening, Token};
 use publish::page::LivePage;
 
-use crate::board::{Emulation, InstrumentArguments, On};
 use crate::feeding;
+use crate::instrument::{Emulation, InstrumentArguments, On};
 use crate::live_host::LiveHost;
 use crate::log::verdict;
 use crate::output::{Failure, print};

@@ -4,8 +4,8 @@ use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
-use crate::board::{InstrumentArguments, On};
 use crate::feeding;
+use crate::instrument::{InstrumentArguments, On};
 use crate::live_table::LiveTable;
 use crate::log_files::{ENDED, LogStatus, MarkReader};
 use crate::log_host::{Host, PressureFile};
@@ -45,7 +45,7 @@ pub struct Arguments {
     #[command(flatten)]
     instrument: InstrumentArguments,
     /// The folder of the recording: new, or of a log that is continued.
-    #[arg(short, long, value_name = "FOLDER")]
+    #[arg(short, long = "output-file", value_name = "FOLDER")]
     output: PathBuf,
     /// Length of a segment: a time, or a size (64MB).
     #[arg(long, value_name = "LENGTH", default_value = "10min")]

@@ -7,7 +7,7 @@ use crate::output::Failure;
 
 /// Write an event into a running log.
 ///
-/// It stands in the column `event` of the next row, and `anemo status` shows it.
+/// It stands in the column `event` of the next row, and `anemo board status` shows it.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Example:

@@ -7,7 +7,7 @@ use crate::output::Failure;
 use anemometry::meteorology::{AveragingError, AveragingOptions, average};
 use recording::{RecordingReader, check_name};
 
-/// Average the wind of a recording as meteorology does: means, gusts, turbulence.
+/// Average the wind of a recording: means, gusts, turbulence.
 ///
 /// The recording is a file of `anemo wind` or `anemo combine`, a run or a log of a calibrated head.
 /// Of every interval: scalar and vector mean, direction from which it blows, standard deviations of
@@ -45,7 +45,7 @@ pub struct Arguments {
     #[arg(long, value_name = "M/S2", default_value_t = 9.80665)]
     gravity: f64,
     /// Write the averages to this .parquet or .csv file, a row an interval.
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long = "output-file", value_name = "FILE")]
     output: Option<PathBuf>,
     /// Print one JSON object instead of the table.
     #[arg(long)]

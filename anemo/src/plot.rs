@@ -6,8 +6,10 @@ use crate::choice::choice;
 use crate::output::{Failure, finite, keep, print_report};
 use plot::{PictureFormat, PictureOptions, PictureWidth, TimeCrop};
 
-/// Draw a recording (wind, temperatures, powers and heater bits over time) or a model
-/// (time-constant spectra, frequency responses, structure functions).
+/// Draw a recording or a model.
+///
+/// A recording gives wind, temperatures, powers and heater bits over time; a model time-constant
+/// spectra, frequency responses and structure functions.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -20,7 +22,7 @@ pub struct Arguments {
     #[arg(value_name = "FILE")]
     file: PathBuf,
     /// The picture: a .svg, .pdf or .png file, or what --format says.
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long = "output-file", value_name = "FILE")]
     output: PathBuf,
     /// Width of the picture, 60 to 400 mm: 180 (the default) is two columns of a journal, 88 one.
     /// Type keeps its size.

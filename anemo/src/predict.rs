@@ -22,8 +22,12 @@ const LEAST_TICKS: usize = 20;
 /// Where the search for the decimator's longest window begins, in ticks.
 const MOST_TICKS: usize = 1 << 12;
 
-/// Predict the power that an experiment's loops will take, from a model that was identified open
-/// loop.
+/// Predict the powers of an experiment's loops from a model.
+///
+/// The model was identified open loop.
+///
+/// `design` chooses a loop from requirements. `analyse` examines one given loop at its set-point.
+/// `predict` predicts the powers of a whole experiment.
 ///
 /// There are two predictions: the limit of infinitely fast sampling, in which the power of a
 /// regulated element is the equivalent control, and the one-bit rule at the experiment's sample
@@ -45,7 +49,7 @@ Examples:
   anemo predict sectors.json experiments/held.toml --from rest -o power.csv
   anemo predict charge.json experiments/mems/hold.toml --plot hold.svg")]
 pub struct Arguments {
-    /// The model: a .json file of `anemo identify`, `merge` or `reduce`.
+    /// The model: a .json file of `anemo identify` or `anemo model`.
     pub(super) model: PathBuf,
     /// The experiment: a TOML file.
     pub(super) experiment: PathBuf,
@@ -65,7 +69,7 @@ pub struct Arguments {
     pub(super) window: Option<f64>,
     /// Write predicted powers (`limit_w_…`, `sampled_w_…`) of every tick to this .csv or .parquet
     /// file.
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long = "output-file", value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
     #[command(flatten)]
     pub(super) picture: PictureArguments,

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 use crate::output::Failure;
-use crate::predict::Arguments;
+pub use crate::predict::Arguments;
 use crate::progress::on_interrupt;
 use crate::recorded::RecordingOutputs;
 use dielectric::experiment::DeviceExperiment;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::output::Failure;
 
-/// Close a recording whose program was killed, or whose computer lost its supply.
+/// Close a recording whose program was killed or lost its supply.
 ///
 /// What a sensor board measures, and every recording in a folder, has a journal: its rows are on
 /// the disk within half a second. They become the file that was to be written, or the last segment

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::board::{InstrumentArguments, On};
+use crate::instrument::{InstrumentArguments, On};
 use crate::output::Failure;
 use crate::picture::PictureArguments;
 use crate::record::{SessionEnd, SessionOutcome, SessionPlan, record};
@@ -38,7 +38,7 @@ pub struct Arguments {
     #[command(flatten)]
     pub(super) instrument: InstrumentArguments,
     /// Record every tick to this .parquet or .csv file, or to a folder of segments.
-    #[arg(short, long, value_name = "FILE|FOLDER")]
+    #[arg(short, long = "output-file", value_name = "FILE|FOLDER")]
     pub(super) output: Option<PathBuf>,
     /// Length of a folder's segments: a time, or a size (64MB).
     #[arg(long, value_name = "LENGTH", default_value = "10min")]

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::board::{InstrumentArguments, On};
+use crate::instrument::{InstrumentArguments, On};
 use crate::output::Failure;
 use crate::record::{RowSink, SessionEnd, SessionOutcome, SessionPlan, record};
 use crate::run::{Arguments, instrument_name};

@@ -9,7 +9,7 @@ use dr_core::control::self_test::plan::PULSE_LEAST_TICKS;
 use dr_core::control::{SelfTestFault, SelfTestPlan};
 use wire::Setting;
 
-use crate::board::{InstrumentArguments, On, OpenBoard};
+use crate::instrument::{InstrumentArguments, On, OpenBoard};
 use crate::output::{Failure, warn};
 use crate::progress::{on_interrupt, progress};
 use host_sim::experiment::Experiment;
@@ -17,9 +17,9 @@ use host_sim::instrument::{InstrumentPort, setup};
 use host_sim::self_test::{self, SelfTestReport, StoredSelfTests, currents};
 use host_sim::settings;
 
-/// Have an instrument test itself: offsets, references, elements, noise, and the response of each
-/// element to a short pulse of heat.
+/// Test an instrument: offsets, references, elements, noise.
 ///
+/// The response of each element to a short pulse of heat is a part of the test.
 /// Without an experiment the instrument keeps the set-up of its settings. The pulse is compared
 /// with the element's model, where the experiment names one. A board keeps the result in its flash,
 /// with date and firmware; it also tests itself, without heat, at each start.
@@ -74,7 +74,7 @@ pub struct Arguments {
         value_parser = clap::value_parser!(u32).range(3..=600))]
     seconds: u32,
     /// Write the head with the currents that --currents has found to this .toml file.
-    #[arg(short, long, value_name = "FILE", requires = "currents")]
+    #[arg(short, long = "output-file", value_name = "FILE", requires = "currents")]
     output: Option<PathBuf>,
     /// Print one JSON object instead of the table.
     #[arg(long)]

@@ -27,7 +27,7 @@ Examples:
 
 A fit of 100 % is perfect, 0 % no better than the record's mean: 100 (1 − |y − ŷ| / |y − mean y|).")]
 pub struct Arguments {
-    /// The model: a .json file of `anemo identify`, `merge` or `reduce`.
+    /// The model: a .json file of `anemo identify` or `anemo model`.
     model: PathBuf,
     /// The record: a .parquet or .csv file.
     record: PathBuf,

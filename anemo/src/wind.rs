@@ -97,7 +97,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE", requires = "field_correction")]
     write_head: Option<PathBuf>,
     /// Write the estimates to this .parquet or .csv file.
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long = "output-file", value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]
     picture: PictureArguments,

@@ -97,7 +97,7 @@ def call(command: str, given: tuple[Any, ...], options: dict[str, Any], result: 
         made = performed(command, given, options)[1]
     elif result is Table:
         # Without a file to write to, the rows come back as a table.
-        place = "--output" if options.get("--output") is None else None
+        place = "--output-file" if options.get("--output-file") is None else None
         _, report, table = performed(command, given, options, place)
         made = report if table is None else table
         if table is not None:
@@ -110,10 +110,10 @@ def call(command: str, given: tuple[Any, ...], options: dict[str, Any], result: 
         readable: Any = result
         extension = "toml" if readable is Head else "json"
         with tempfile.TemporaryDirectory(prefix="anemo-") as folder:
-            path = options.get("--output") or Path(folder, f"result.{extension}")
-            _, report, _ = performed(command, given, {**options, "--output": path})
+            path = options.get("--output-file") or Path(folder, f"result.{extension}")
+            _, report, _ = performed(command, given, {**options, "--output-file": path})
             made = readable.read(os.fspath(path))
-        if options.get("--output") is None:
+        if options.get("--output-file") is None:
             # The file that stood in between is nobody's.
             report.text = "".join(line for line in report.text.splitlines(True) if folder not in line).rstrip()
         made.report = report

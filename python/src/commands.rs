@@ -172,5 +172,5 @@ pub fn forked() {
 /// The command line itself, with the words of this process; gives its exit code.
 #[pyfunction]
 pub fn main(py: Python<'_>, words: Vec<String>) -> u8 {
-    py.detach(|| anemo::main_of(words))
+    py.detach(|| anemo::main_of(&words))
 }

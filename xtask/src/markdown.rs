@@ -6,6 +6,13 @@ pub enum Part<'a> {
     Block(FencedBlock<'a>),
 }
 
+impl Part<'_> {
+    /// Tells an empty line of prose.
+    pub fn is_empty_line(&self) -> bool {
+        matches!(self, Part::Prose { text, .. } if text.trim().is_empty())
+    }
+}
+
 /// What stands between two fences.
 pub struct FencedBlock<'a> {
     /// Line of the opening fence.

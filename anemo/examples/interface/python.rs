@@ -4,12 +4,12 @@
 use clap::{Arg, ArgAction, Command};
 
 /// Commands that work on files and models, what they are called in Python, and what they give.
-const FUNCTIONS: [(&str, &str, &str); 20] = [
+const FUNCTIONS: [(&str, &str, &str); 18] = [
     ("identify", "identify", "Model"),
     ("validate", "validate", "Report"),
-    ("merge", "merge", "Model"),
-    ("reduce", "reduce", "Model"),
-    ("export", "export", "Report"),
+    ("model merge", "merge", "Model"),
+    ("model reduce", "reduce", "Model"),
+    ("model export", "export", "Report"),
     ("analyse", "analyse", "Report"),
     ("design", "design", "Report"),
     ("predict", "predict", "Report"),

@@ -20,24 +20,24 @@ const PAGES: [Page; 6] = [
         file: "command-line.md",
         kind: "instruments",
         about: "Run a simulated or real instrument, and look at it.",
-        commands: &["check", "run", "sweep", "log", "mark", "live", "self-test", "settings", "status"],
+        commands: &["check", "run", "live", "log", "mark", "self-test", "board"],
     },
     Page {
         file: "command-line-recordings.md",
         kind: "recordings",
-        about: "Close and draw recordings.",
-        commands: &["recover", "plot"],
+        about: "Draw recordings and models, close recordings.",
+        commands: &["plot", "recover"],
     },
     Page {
         file: "command-line-models.md",
         kind: "thermal models",
-        about: "Identify thermal models, judge and convert them.",
-        commands: &["identify", "merge", "validate", "export", "reduce"],
+        about: "Identify thermal models, validate, reduce, merge and export them.",
+        commands: &["identify", "validate", "model"],
     },
     Page {
         file: "command-line-loops.md",
         kind: "closed loops",
-        about: "Analyse, design and predict closed loops from a model.",
+        about: "Design a loop, analyse a given loop, predict a whole experiment.",
         commands: &["analyse", "design", "predict"],
     },
     Page {
@@ -49,7 +49,7 @@ const PAGES: [Page; 6] = [
     Page {
         file: "command-line-wind.md",
         kind: "wind",
-        about: "Estimate the wind, and measure how well this does.",
+        about: "Estimate the wind, combine instruments, average.",
         commands: &["wind", "combine", "meteorology"],
     },
 ];

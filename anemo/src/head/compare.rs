@@ -44,7 +44,7 @@ pub struct CompareArguments {
     #[arg(long, value_name = "FILE")]
     head: Option<PathBuf>,
     /// Write a head with this scale, a .toml file.
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long = "output-file", value_name = "FILE")]
     output: Option<PathBuf>,
     /// Print one JSON object instead of the summary.
     #[arg(long)]

@@ -37,7 +37,7 @@ pub struct IdentifyArguments {
     #[arg(required = true, value_name = "RECORD")]
     records: Vec<PathBuf>,
     /// Write the network to this .json file.
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long = "output-file", value_name = "FILE")]
     output: Option<PathBuf>,
     /// The head, with the number of layers between elements and surface; by default that of the
     /// records.

@@ -16,8 +16,7 @@ pub mod new;
 
 use crate::output::Failure;
 
-/// Begin a head, check it, identify the thermal network of its elements, and compare it with a
-/// reference anemometer.
+/// Begin a head, check it, identify it, compare it with a reference.
 #[derive(clap::Args)]
 pub struct Arguments {
     #[command(subcommand)]

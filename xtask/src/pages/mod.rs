@@ -4,6 +4,7 @@
 //! | a page has | and then |
 //! |---|---|
 //! | ```` ```console ```` | lines that begin with `$ ` are run by bash, continued by lines that begin with `> `; what follows is compared; `…` stands for any lines, or any text of a line |
+//! | ```` ```bash ```` | is run as one script; the block ```` ```text ```` right after it is compared |
 //! | ```` ```console fails ```` | the last command is expected to fail |
 //! | ```` ```console board ```` | needs a sensor board: its lines with `anemo` must parse |
 //! | ```` ```python ```` | is run by Python with duckdb, numpy, pandas, pyarrow, scipy and xarray |

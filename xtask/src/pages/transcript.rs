@@ -1,5 +1,6 @@
 //! What a page asks to be run: transcripts of a terminal, scripts in Python.
 
+use super::elision::ELISION;
 use crate::markdown::{self, Part};
 
 /// What is expected of a block's commands.
@@ -36,7 +37,8 @@ pub struct ShownCommand {
 pub fn steps(text: &str) -> (Vec<Step>, Vec<(usize, &'static str)>) {
     let mut steps = Vec::new();
     let mut faults = Vec::new();
-    for part in markdown::parts(text) {
+    let mut parts = markdown::parts(text).into_iter().filter(|part| !part.is_empty_line()).peekable();
+    while let Some(part) = parts.next() {
         let Part::Block(block) = part else { continue };
         let mut words = block.info.split_whitespace();
         let language = words.next();
@@ -57,11 +59,18 @@ pub fn steps(text: &str) -> (Vec<Step>, Vec<(usize, &'static str)>) {
                 }
                 steps.extend(commands.into_iter().map(Step::Command));
             }
+            Some("bash") => {
+                let output = match parts.peek() {
+                    Some(Part::Block(after)) if after.info == "text" => Some(after),
+                    _ => None,
+                };
+                steps.extend(pasted(&block, output, expectation).into_iter().map(Step::Command));
+            }
             Some("python") => {
                 let script = block.lines.join("\n");
                 steps.push(Step::Python { line: block.line, script, runs: expectation != Expectation::Board });
             }
-            None | Some("sh" | "bash" | "shell" | "text" | "terminal") => {
+            None | Some("sh" | "shell" | "text" | "terminal") => {
                 if let Some(at) = block.lines.iter().position(|line| line.starts_with("$ ")) {
                     faults.push((block.line + 1 + at, "a command stands in a block ```console, so that it is run"));
                 }
@@ -70,6 +79,30 @@ pub fn steps(text: &str) -> (Vec<Step>, Vec<(usize, &'static str)>) {
         }
     }
     (steps, faults)
+}
+
+/// Commands of a block that a reader pastes as it is, with the output that a block of text shows
+/// after it. Each job of cargo is a command of its own, anything else one script.
+fn pasted(
+    block: &markdown::FencedBlock,
+    output: Option<&markdown::FencedBlock>,
+    expectation: Expectation,
+) -> Vec<ShownCommand> {
+    let shown = |line: usize, command: String| ShownCommand {
+        line,
+        command,
+        expectation,
+        output_line: output.map_or(line, |output| output.line + 1),
+        // Without a block of text any output will do.
+        output: output
+            .map_or(vec![ELISION.to_owned()], |output| output.lines.iter().map(|&line| line.to_owned()).collect()),
+        indent: output.map_or(0, |output| output.indent),
+    };
+    let lines = block.lines.iter().enumerate().filter(|(_, line)| !line.trim().is_empty());
+    if output.is_none() && lines.clone().all(|(_, line)| line.starts_with("cargo ")) {
+        return lines.map(|(at, line)| shown(block.line + 1 + at, (*line).to_owned())).collect();
+    }
+    vec![shown(block.line + 1, format!("set -e\n{}", block.lines.join("\n")))]
 }
 
 fn transcript(block: &markdown::FencedBlock, expectation: Expectation) -> Vec<ShownCommand> {
@@ -130,6 +163,25 @@ mod tests {
             ]
         );
         assert!(faults.is_empty());
+    }
+
+    #[test]
+    fn a_block_to_paste_is_one_script_with_the_text_after_it_as_its_output() {
+        let text = "```bash\none\ntwo\n```\n\n```text\nout\n…\n```\n```bash\ncargo xtask demo  # see\n\ncargo xtask test\n```\n```text\nno output\n```\n```bash\nthree\n```\nProse.\n```text\nfree\n```\n";
+        let (steps, faults) = steps(text);
+        assert!(faults.is_empty(), "{faults:?}");
+        let found: Vec<_> = steps
+            .iter()
+            .map(|step| match step {
+                Step::Command(shown) => (shown.line, shown.command.as_str(), shown.output_line, shown.output.join("|")),
+                Step::Python { .. } => panic!("there is no script"),
+            })
+            .collect();
+        assert_eq!(found[0], (2, "set -e\none\ntwo", 7, "out|…".to_owned()));
+        assert_eq!(found[1].3, "no output");
+        assert_eq!(found[2], (19, "set -e\nthree", 19, "…".to_owned()));
+        let (steps, _) = super::steps("```bash\ncargo xtask demo\ncargo xtask test\n```\n");
+        assert_eq!(steps.len(), 2);
     }
 
     #[test]

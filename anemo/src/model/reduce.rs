@@ -1,4 +1,4 @@
-//! `anemo reduce`: a smaller model for the board.
+//! `anemo model reduce`: a smaller model for the board.
 
 use std::path::PathBuf;
 
@@ -6,18 +6,18 @@ use crate::output::Failure;
 use diffusive::model::Model;
 use diffusive::model::reduce::{Rates, ReductionReport, board, reduce};
 
-/// Make a smaller model in f32, for the board, and report its error.
+/// Reduce a model to a few poles in f32, for the board, and report its error.
 #[derive(clap::Args)]
 #[command(after_help = "\
 The error is measured: the board's f32 arithmetic and the whole model run on the same random bits and \
 levels.
 
 Examples:
-  anemo reduce heater.json --order 3 -o small.json
-  anemo reduce sector1.json --order 2 --json
-  anemo reduce winds.json --order 4 --class still --toml still.toml")]
+  anemo model reduce heater.json --order 3 -o small.json
+  anemo model reduce sector1.json --order 2 --json
+  anemo model reduce winds.json --order 4 --class still --toml still.toml")]
 pub struct Arguments {
-    /// The model: a .json file of `anemo identify`, `merge` or `reduce`.
+    /// The model: a .json file of `anemo identify` or `anemo model`.
     model: PathBuf,
     /// Poles a pair, 1 to 8.
     #[arg(long, value_name = "K", default_value_t = 8)]
@@ -29,7 +29,7 @@ pub struct Arguments {
     #[arg(long)]
     mesh: bool,
     /// Write the smaller model to this .json file.
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long = "output-file", value_name = "FILE")]
     output: Option<PathBuf>,
     /// Write the board's table, as an experiment's `models` has it: 8 rates an element that heats
     /// itself.

@@ -1,4 +1,4 @@
-//! `anemo export`: a model in the forms that others use.
+//! `anemo model export`: a model in the forms that others use.
 
 use std::path::PathBuf;
 
@@ -9,18 +9,18 @@ use diffusive::model::export::spice::SpiceNetwork;
 use diffusive::model::export::{ExportForm, ExportReport};
 use diffusive::model::{Model, PairClass};
 
-/// Write a model as a network, a netlist, a table or source text.
+/// Export a model as a network, a netlist, a table or source text.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Tables are CSV with units in their names; without -o the export goes to stdout.
 
 Examples:
-  anemo export sector1.json --as foster --pair sector1:sector1
-  anemo export heater.json --as response --points 400 -o bode.csv
-  anemo export winds.json --as spice --network cauer --class gust -o gust.lib
-  anemo export small.json --as c -o small.h")]
+  anemo model export sector1.json --as foster --pair sector1:sector1
+  anemo model export heater.json --as response --points 400 -o bode.csv
+  anemo model export winds.json --as spice --network cauer --class gust -o gust.lib
+  anemo model export small.json --as c -o small.h")]
 pub struct Arguments {
-    /// The model: a .json file of `anemo identify`, `merge` or `reduce`.
+    /// The model: a .json file of `anemo identify` or `anemo model`.
     model: PathBuf,
     #[arg(long = "as", value_name = "FORM", value_parser = choice([
         ("foster", "Resistor and capacitor of every pole, side by side and in series", ExportForm::Foster),
@@ -49,7 +49,7 @@ pub struct Arguments {
     ]))]
     network: SpiceNetwork,
     /// Write to this file instead of stdout.
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long = "output-file", value_name = "FILE")]
     output: Option<PathBuf>,
     /// Print one JSON object: the table, or the text.
     #[arg(long)]

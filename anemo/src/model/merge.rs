@@ -1,4 +1,4 @@
-//! `anemo merge`: models that were identified one source at a time, as one.
+//! `anemo model merge`: models that were identified one source at a time, as one.
 
 use std::path::PathBuf;
 
@@ -6,7 +6,9 @@ use crate::output::Failure;
 use diffusive::model::Model;
 use diffusive::model::merge::{MergeReport, merge};
 
-/// Join models of different pairs of input and output into one that adds up their responses.
+/// Merge models of different pairs of input and output into one.
+///
+/// The merged model adds up their responses.
 ///
 /// For elements driven one after the other: identify each from its own record, with all outputs,
 /// and merge. An output of several models has the offset and residuals of the first; `anemo
@@ -18,13 +20,13 @@ Examples:
       --output sector1 sector2 -o heats1.json
   anemo identify id-sector2.parquet --input sector2 \\
       --output sector1 sector2 -o heats2.json
-  anemo merge heats1.json heats2.json -o both.json")]
+  anemo model merge heats1.json heats2.json -o both.json")]
 pub struct Arguments {
     /// The models: two or more .json files.
     #[arg(required = true, num_args = 2.., value_name = "MODEL")]
     models: Vec<PathBuf>,
     /// Write the merged model to this .json file.
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long = "output-file", value_name = "FILE")]
     output: PathBuf,
     /// Print one JSON object instead of the summary.
     #[arg(long)]

@@ -1,4 +1,4 @@
-//! `anemo settings`: what a board keeps in its flash, shown, changed, backed up and restored.
+//! `anemo board settings`: what a board keeps in its flash, shown, changed, backed up and restored.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -7,29 +7,31 @@ use std::path::{Path, PathBuf};
 use wire::settings::KeyNumber;
 use wire::{Setting, SettingsRequest};
 
-use crate::board::{EMULATED, Emulation, On, OpenBoard};
+use crate::instrument::{EMULATED, Emulation, On, OpenBoard};
 use crate::output::Failure;
 use anemometry::head::Head;
 use host_sim::instrument::InstrumentError;
 use host_sim::settings::{self, KeptSetting, SettingsReport, file, names};
 use recording::toml_file::TomlSource;
 
-/// What a board keeps in its flash: name, head and set-up.
+/// Show, change, back up and restore a board's settings.
+///
+/// Settings are name, head and set-up.
 ///
 /// A board sets itself up by this at each start; it never starts a run by itself. Settings are read
 /// and changed in standby only. A power cut leaves each value as it was or as it was to be.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
-  anemo settings show --on serial:/dev/ttyACM0
-  anemo settings set name \"north mast\" --on serial:/dev/ttyACM0
-  anemo settings set --head heads/sphere-b.toml --sample-period 0.001 \\
+  anemo board settings show --on serial:/dev/ttyACM0
+  anemo board settings set name \"north mast\" --on serial:/dev/ttyACM0
+  anemo board settings set --head heads/sphere-b.toml --sample-period 0.001 \\
       --on serial:/dev/ttyACM0
-  anemo settings set fingerprint measured --on serial:/dev/ttyACM0
-  anemo settings backup -o north-mast.toml --on serial:/dev/ttyACM0
-  anemo settings restore north-mast.toml --on serial:/dev/ttyACM0
-  anemo settings erase gas --on serial:/dev/ttyACM0
-  anemo settings show --on qemu --flash board.flash")]
+  anemo board settings set fingerprint measured --on serial:/dev/ttyACM0
+  anemo board settings backup -o north-mast.toml --on serial:/dev/ttyACM0
+  anemo board settings restore north-mast.toml --on serial:/dev/ttyACM0
+  anemo board settings erase gas --on serial:/dev/ttyACM0
+  anemo board settings show --on qemu --flash board.flash")]
 pub struct Arguments {
     #[command(subcommand)]
     task: Task,
@@ -69,7 +71,7 @@ enum Task {
     /// Write all values to a text file.
     Backup {
         /// The file.
-        #[arg(short, long, value_name = "FILE")]
+        #[arg(short, long = "output-file", value_name = "FILE")]
         output: PathBuf,
         #[command(flatten)]
         board: BoardArguments,
@@ -191,7 +193,7 @@ fn number_of(key: &str) -> Result<KeyNumber, Failure> {
         let whole = key.rsplit_once('.').map(|(whole, _)| whole).filter(|whole| names::number(whole).is_some());
         Failure::usage(match whole {
             Some(whole) => format!("`{key}` is a part of `{whole}`, which is kept or erased as a whole"),
-            None => format!("`{key}` is no key: `anemo settings show` names them"),
+            None => format!("`{key}` is no key: `anemo board settings show` names them"),
         })
     })
 }

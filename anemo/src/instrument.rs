@@ -33,7 +33,7 @@ pub(super) struct InstrumentArguments {
     pub(super) on: On,
     #[command(flatten)]
     pub(super) emulation: Emulation,
-    /// The file that is its flash, as of `anemo settings`; without it the board keeps nothing.
+    /// The file that is its flash, as of `anemo board settings`; without it the board keeps nothing.
     #[arg(long, value_name = "FILE", help_heading = EMULATED)]
     pub(super) flash: Option<PathBuf>,
     /// Acknowledge a trip of an earlier run, and go on.

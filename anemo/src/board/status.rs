@@ -1,22 +1,24 @@
-//! `anemo status`: how a board fares, or a log.
+//! `anemo board status`: state of a board or of a log.
 
 use std::path::PathBuf;
 
-use crate::board::On;
+use crate::instrument::On;
 use crate::log_files::LogStatus;
 use crate::output::Failure;
 use host_sim::instrument::serial::Serial;
 
-/// How a board fares: state, lock, trips and the first of them, faults counted. Of a log: rows,
-/// state, last events.
+/// Show the state of a board, or of a log.
+///
+/// A board reports state, lock, trips and the first of them, and counts of faults; a log reports
+/// rows, state and last events.
 ///
 /// It changes nothing: a board that runs goes on. Three trips in ten minutes lock a board until its
 /// supply or its reset pin restarts it; both forget the counts, too.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
-  anemo status --on serial:/dev/ttyACM0
-  anemo status mast/")]
+  anemo board status --on serial:/dev/ttyACM0
+  anemo board status mast/")]
 pub struct Arguments {
     /// The folder of a log.
     #[arg(required_unless_present = "on")]
