@@ -10,7 +10,7 @@
 //! | 1 | what was asked for makes sense, but failed |
 //! | 2 | the command, or a file that it names, is wrong; nothing was started |
 //! | 3 | a run or a log that tripped; what was recorded is kept |
-//! | 4 | a run or a log that ended early, or a sweep whose runs are not all done; what there is is kept |
+//! | 4 | a run or a log that ended early; what there is is kept |
 //!
 //! A summary goes to stdout, as text or, with `--json`, as one JSON object. Errors go to stderr,
 //! one sentence that begins with `anemo:`.
@@ -69,7 +69,6 @@ mod self_test;
 mod service;
 mod settings;
 mod status;
-mod sweep;
 #[cfg(feature = "studies")]
 mod thesis;
 mod validate;
@@ -119,7 +118,6 @@ struct CommandLine {
 #[derive(Subcommand)]
 enum Subcommands {
     Run(run::Arguments),
-    Sweep(sweep::Arguments),
     Log(log::Arguments),
     Mark(mark::Arguments),
     Live(live::Arguments),
@@ -233,7 +231,6 @@ pub fn main_of(words: Vec<String>) -> u8 {
 fn execute(command: &Subcommands) -> Result<(), output::Failure> {
     match command {
         Subcommands::Run(arguments) => run_device::execute(arguments),
-        Subcommands::Sweep(arguments) => sweep::execute(arguments, refusal),
         Subcommands::Log(arguments) => log::execute(arguments),
         Subcommands::Mark(arguments) => mark::execute(arguments),
         Subcommands::Live(arguments) => live::execute(arguments),

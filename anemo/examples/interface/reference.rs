@@ -20,7 +20,7 @@ const PAGES: [Page; 6] = [
         file: "command-line.md",
         kind: "instruments",
         about: "Run a simulated or real instrument, and look at it.",
-        commands: &["check", "run", "sweep", "log", "mark", "live", "self-test", "settings", "status"],
+        commands: &["check", "run", "log", "mark", "live", "self-test", "settings", "status"],
     },
     Page {
         file: "command-line-recordings.md",

@@ -28,9 +28,9 @@ const FIRST: [&str; 13] = [
     "wind",
 ];
 
-/// What is only parsed: a user's own table, a board and its log, the emulator, a cluster, a killed
+/// What is only parsed: a user's own table, a board and its log, the emulator, a killed
 /// program, studies of minutes.
-const PARSED: [&str; 15] = [
+const PARSED: [&str; 14] = [
     "calibrate speeds.csv",
     "head compare",
     " mast/",
@@ -38,7 +38,6 @@ const PARSED: [&str; 15] = [
     "scpi:",
     "--on qemu",
     "anemo recover",
-    "--slurm",
     "anemo combine",
     "wind everywhere.parquet",
     "wind today.parquet",

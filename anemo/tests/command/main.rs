@@ -19,7 +19,4 @@ mod object_store;
 mod process;
 mod report;
 mod steady_table;
-mod sweep;
-#[cfg(target_os = "linux")]
-mod sweep_slurm;
 mod wind;

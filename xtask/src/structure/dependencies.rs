@@ -25,7 +25,6 @@ const CRATES: [(&str, &[&str]); 18] = [
     ("anemo", &["clap", "nix", "parquet", "serialport"]),
     ("anemo-python", &["clap", "nix", "parquet", "serialport"]),
     ("studies", &["parquet"]),
-    ("sweep", &["parquet"]),
     ("anemo-tests", &["nix", "parquet", "serialport"]),
     ("xtask", &["clap"]),
     ("image-analysis", &[]),
