@@ -1,6 +1,6 @@
 //! Brings the programs that what `anemo` publishes is tested against: a broker, a database, clients
-//! of SCPI, readers of files, a browser, a cluster, and one that writes down what a log asks of the
-//! disk.
+//! of SCPI, readers of files, a browser, one that writes down what a log asks of the disk, and a
+//! cluster for sweeps.
 //! Tests start them on the loopback and end them; none is a service of the system.
 
 use crate::{install, shell};
@@ -13,7 +13,7 @@ struct Counterpart {
     service: Option<&'static str>,
 }
 
-const COUNTERPARTS: [Counterpart; 12] = [
+const COUNTERPARTS: [Counterpart; 8] = [
     Counterpart { program: "mosquitto", package: "mosquitto", service: Some("mosquitto") },
     Counterpart { program: "mosquitto_sub", package: "mosquitto-clients", service: None },
     Counterpart { program: "influxd", package: "influxdb", service: Some("influxdb") },
@@ -22,16 +22,31 @@ const COUNTERPARTS: [Counterpart; 12] = [
     Counterpart { program: "octave-cli", package: "octave", service: None },
     Counterpart { program: "strace", package: "strace", service: None },
     Counterpart { program: "chromium", package: "chromium", service: None },
+];
+
+/// A cluster, for the sweep of the Python package.
+const SLURM: [Counterpart; 4] = [
     Counterpart { program: "munged", package: "munge", service: Some("munge") },
     Counterpart { program: "slurmctld", package: "slurmctld", service: Some("slurmctld") },
     Counterpart { program: "slurmd", package: "slurmd", service: Some("slurmd") },
     Counterpart { program: "sbatch", package: "slurm-client", service: None },
 ];
 
-/// Installs what is missing. What this system has no package of is named, and its tests skip.
+/// Installs the missing programs of the tests of every day.
 pub fn run() -> Result<()> {
     install::python_environment("counterparts", "xtask/python-counterparts.txt")?;
-    for Counterpart { program, package, service } in COUNTERPARTS {
+    install_all(&COUNTERPARTS);
+    Ok(())
+}
+
+/// Installs the missing programs of a cluster, which only the nightly tests need.
+pub fn slurm() {
+    install_all(&SLURM);
+}
+
+/// A program that this system has no package of is named, and its tests skip.
+fn install_all(counterparts: &[Counterpart]) {
+    for &Counterpart { program, package, service } in counterparts {
         if install::is_on_path(program) {
             continue;
         }
@@ -43,5 +58,4 @@ pub fn run() -> Result<()> {
             let _ = shell::run(shell::program("systemctl").args(["disable", "--now", service]));
         }
     }
-    Ok(())
 }
