@@ -256,9 +256,6 @@ pub fn read_experiment(
             "is a head: an experiment belongs here, which names its head by `head = \"…\"`",
         ));
     }
-    if source.text.parse::<toml::Table>().is_ok_and(|table| table.contains_key("vary")) {
-        return Err(Failure::in_file(path, "is a sweep, which `anemo sweep` runs: an experiment belongs here"));
-    }
     let experiment = Experiment::from_source(source)?;
     let judgement = host_sim::run::rehearse(&experiment, board)?;
     Ok((experiment, judgement))

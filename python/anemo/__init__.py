@@ -7,10 +7,10 @@
     print(model)
     model.spectrum(), model.to_control()
 
-Every function is a command of the command line `anemo`, in this process: arguments have the names
-of its options, with `_` for `-` (and `from_`, `class_`, `as_`). A record is a path, or a table of
-any library (pyarrow, Polars, pandas, DuckDB: whatever has `__arrow_c_stream__`), or a dict of numpy
-arrays. Temperatures are in °C, powers in W, times in s, rates in rad/s. Errors are `anemo.Error`,
+Every function but `sweep` is a command of the command line `anemo`, in this process: arguments have
+the names of its options, with `_` for `-` (and `from_`, `class_`, `as_`). A record is a path, or a
+table of any library (pyarrow, Polars, pandas, DuckDB: whatever has `__arrow_c_stream__`), or a dict
+of numpy arrays. Temperatures are in °C, powers in W, times in s, rates in rad/s. Errors are `anemo.Error`,
 with the sentence of the command line. While a command works, other Python threads go on, and Ctrl-C
 ends it.
 """

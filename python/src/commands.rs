@@ -119,7 +119,7 @@ pub fn perform(py: Python<'_>, words: Vec<(String, Argument<'_>)>, place: Option
 
 /// Does work on a thread, with a pool of its own, so that no thread is left once it is done. The
 /// flag that the work is given says that it shall end.
-pub fn waited_for<T: Send + 'static>(
+fn waited_for<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(&Arc<AtomicBool>) -> T + Send + 'static,
 ) -> PyResult<(T, Option<PyErr>)> {

@@ -5,7 +5,6 @@ mod arrow_table;
 mod commands;
 mod error;
 mod model;
-mod sweep;
 mod table;
 
 use pyo3::prelude::*;
@@ -17,8 +16,6 @@ mod _anemo {
     use super::commands::{Text, forked, main, perform};
     #[pymodule_export]
     use super::model::PyModel;
-    #[pymodule_export]
-    use super::sweep::Sweep;
     #[pymodule_export]
     use super::table::PyTable;
 }

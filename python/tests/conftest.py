@@ -1,6 +1,13 @@
 """What several tests begin with."""
 
+import getpass
+import os
+import shutil
 import signal
+import socket
+import subprocess
+import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import anemo
@@ -51,3 +58,71 @@ def short(tmp_path: Path) -> Path:
     path = tmp_path / "short.toml"
     path.write_text("\n".join(lines).replace("../heads", head))
     return path
+
+
+SLURM = ["munged", "slurmctld", "slurmd", "sbatch", "sinfo", "squeue", "scancel"]
+SLURM_CONF = """\
+ClusterName=anemo
+SlurmctldHost=localhost(127.0.0.1)
+SlurmctldPort={ports[0]}
+SlurmUser={user}
+SlurmdUser={user}
+AuthType=auth/munge
+AuthInfo=socket={folder}/munge.socket
+CredType=cred/munge
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+SelectType=select/cons_tres
+SelectTypeParameters=CR_Core
+SwitchType=switch/none
+MpiDefault=none
+ReturnToService=2
+SchedulerParameters=sched_min_interval=100000,batch_sched_delay=0
+SchedulerType=sched/builtin
+SlurmctldPidFile={folder}/slurmctld.pid
+SlurmdPidFile={folder}/slurmd-%n.pid
+StateSaveLocation={folder}/state
+SlurmdSpoolDir={folder}/spool-%n
+SlurmctldLogFile={folder}/slurmctld.log
+SlurmdLogFile={folder}/slurmd-%n.log
+NodeName=n1 NodeHostname=localhost NodeAddr=127.0.0.1 Port={ports[1]} CPUs=1 RealMemory=1000
+NodeName=n2 NodeHostname=localhost NodeAddr=127.0.0.1 Port={ports[2]} CPUs=1 RealMemory=1000
+PartitionName=day Nodes=n1,n2 Default=YES MaxTime=INFINITE State=UP
+"""
+
+
+@pytest.fixture
+def slurm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """A cluster with Slurm on this computer: a controller and two nodes of one core."""
+    monkeypatch.setenv("PATH", f"{os.environ['PATH']}:/usr/sbin")
+    missing = [program for program in SLURM if shutil.which(program) is None]
+    if missing and os.environ.get("ANEMO_COUNTERPARTS") != "all":
+        pytest.skip(f"{missing[0]} is absent: cargo xtask counterparts --slurm installs it")
+    assert not missing, f"{missing[0]} is absent: cargo xtask counterparts --slurm installs it"
+    folder = tmp_path / "slurm"
+    for name in ("state", "spool-n1", "spool-n2"):
+        (folder / name).mkdir(parents=True)
+    # Bound all at once, so that they differ.
+    sockets = [socket.create_server(("127.0.0.1", 0)) for _ in range(3)]
+    ports = [bound.getsockname()[1] for bound in sockets]
+    for bound in sockets:
+        bound.close()
+    (folder / "slurm.conf").write_text(SLURM_CONF.format(folder=folder, ports=ports, user=getpass.getuser()))
+    (folder / "munge.key").write_bytes(b"Z" * 128)
+    (folder / "munge.key").chmod(0o600)
+    monkeypatch.setenv("SLURM_CONF", str(folder / "slurm.conf"))
+    files = ["socket=munge.socket", "key-file=munge.key", "pid-file=munged.pid", "log-file=munged.log"]
+    files.append("seed-file=munged.seed")
+    munged = ["munged", "--force", *("--" + file.replace("=", f"={folder}/") for file in files)]
+    try:
+        for command in (munged, ["slurmctld"], ["slurmd", "-N", "n1"], ["slurmd", "-N", "n2"]):
+            subprocess.run(command, cwd=folder, check=True, capture_output=True, timeout=60)
+        deadline = time.monotonic() + 90
+        while (said := subprocess.check_output(["sinfo", "-h", "-N", "-o", "%t"], text=True)) != "idle\nidle\n":
+            assert time.monotonic() < deadline, said + (folder / "slurmctld.log").read_text()
+            time.sleep(0.1)
+        yield
+    finally:
+        for name in ("slurmd-n1", "slurmd-n2", "slurmctld", "munged"):
+            if (folder / f"{name}.pid").exists():
+                os.kill(int((folder / f"{name}.pid").read_text()), signal.SIGTERM)

@@ -205,8 +205,6 @@ pub(crate) enum ColumnKind {
     Bit,
     /// A whole number, or none.
     Flags,
-    /// f64, or none.
-    Sparse,
     Text,
 }
 
@@ -226,7 +224,7 @@ impl ColumnKind {
     /// Whether a missing number is none in the file, and no NaN.
     #[cfg(feature = "parquet")]
     pub(crate) const fn is_optional(self) -> bool {
-        matches!(self, Self::Flags | Self::Sparse)
+        matches!(self, Self::Flags)
     }
 
     /// Columns of a recording with their kinds.
@@ -237,7 +235,7 @@ impl ColumnKind {
     /// Bytes of a value that is not compressed, about.
     #[cfg(feature = "parquet")]
     pub(crate) const fn bytes(self) -> u64 {
-        if matches!(self, Self::Wide | Self::Utc | Self::Sparse) { 8 } else { 4 }
+        if matches!(self, Self::Wide | Self::Utc) { 8 } else { 4 }
     }
 }
 

@@ -86,7 +86,7 @@ impl RowSink for CsvWriter {
             let _ = match cell {
                 RowCell::Number(number) if number.is_nan() => Ok(()),
                 RowCell::Number(number) => match kind {
-                    ColumnKind::Wide | ColumnKind::Sparse => write!(self.field, "{number}"),
+                    ColumnKind::Wide => write!(self.field, "{number}"),
                     ColumnKind::Utc => self.field.write_str(&utc::rfc3339(number)),
                     _ => write!(self.field, "{}", number as f32),
                 },

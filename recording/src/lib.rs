@@ -43,7 +43,7 @@
 //! | module or type | what it is |
 //! |---|---|
 //! | [`Recording`], [`RecordingReader`] | a file as whole columns; in chunks |
-//! | [`RecordingWriter`], [`Collector`], [`write_columns`], [`write_table`], [`write_any_table`] | rows into a file or a folder of segments; into memory; columns into a file |
+//! | [`RecordingWriter`], [`Collector`], [`write_columns`], [`write_table`] | rows into a file or a folder of segments; into memory; columns into a file |
 //! | [`ThinnedRecording`] | a file of any length, for pictures |
 //! | [`Recorder`], [`recover`], [`journal_of`], [`so_far`] | a writer in a thread of its own; what a journal has kept; its name; a folder that is continued |
 //! | [`named_by`], [`whole_path`] | the files of a pattern; one name of a file |
@@ -112,7 +112,7 @@ pub use temporary::Temporary;
 pub use thinned::{MOST_ROWS, ThinnedRecording};
 pub use writer::{
     Recorder, RecordingSoFar, RecordingWriter, Recovered, SegmentLength, SegmentLengthError, WriterOptions,
-    is_being_written, recover, so_far, write_any_table, write_columns, write_table,
+    is_being_written, recover, so_far, write_columns, write_table,
 };
 
 #[cfg(all(test, feature = "parquet"))]

@@ -138,13 +138,10 @@ fn write_column(
         (ColumnKind::Bit, ColumnValues::Numbers(bits)) => {
             column.typed::<Int32Type>().write_batch(&whole(bits), None, None)
         }
-        (ColumnKind::Flags | ColumnKind::Sparse, ColumnValues::Numbers(numbers)) => {
+        (ColumnKind::Flags, ColumnValues::Numbers(numbers)) => {
             let present: Vec<i16> = numbers.iter().map(|number| i16::from(!number.is_nan())).collect();
             let numbers: Vec<f64> = numbers.iter().copied().filter(|number| !number.is_nan()).collect();
-            match kind {
-                ColumnKind::Flags => column.typed::<Int32Type>().write_batch(&whole(&numbers), Some(&present), None),
-                _ => column.typed::<DoubleType>().write_batch(&numbers, Some(&present), None),
-            }
+            column.typed::<Int32Type>().write_batch(&whole(&numbers), Some(&present), None)
         }
         (ColumnKind::Utc, ColumnValues::Numbers(seconds)) => {
             let microseconds: Vec<i64> = seconds.iter().map(|seconds| (seconds * 1e6).round() as i64).collect();
@@ -163,7 +160,7 @@ fn write_column(
 
 fn field(name: &str, kind: ColumnKind) -> Result<Type, ParquetError> {
     let (physical, logical) = match kind {
-        ColumnKind::Wide | ColumnKind::Sparse => (Physical::DOUBLE, None),
+        ColumnKind::Wide => (Physical::DOUBLE, None),
         ColumnKind::Utc => (Physical::INT64, Some(LogicalType::timestamp(true, TimeUnit::MICROS))),
         ColumnKind::Number => (Physical::FLOAT, None),
         ColumnKind::Bit => (Physical::INT32, Some(LogicalType::integer(8, false))),

@@ -109,7 +109,11 @@ enum Job {
     /// Build the Python package's wheel, install it into target/tools/python, and test it
     Python(python::PythonOptions),
     /// Install the programs that what `anemo` publishes is tested against
-    Counterparts,
+    Counterparts {
+        /// Install those of Slurm, which only `cargo xtask nightly` needs, and no others
+        #[arg(long)]
+        slurm: bool,
+    },
     /// Program a sensor board through a debug probe and follow its log
     Flash(flash::FlashOptions),
 }
@@ -139,7 +143,11 @@ fn main() -> ExitCode {
         Job::Mutants(options) => mutants::run(&options),
         Job::Seeded(options) => seeded::run(&options),
         Job::Python(options) => python::run(&options),
-        Job::Counterparts => counterparts::run(),
+        Job::Counterparts { slurm: false } => counterparts::run(),
+        Job::Counterparts { slurm: true } => {
+            counterparts::slurm();
+            Ok(())
+        }
         Job::Flash(options) => flash::run(&options),
     };
     match outcome {

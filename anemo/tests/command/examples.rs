@@ -17,18 +17,18 @@ const FIRST: [&str; 13] = [
     "run",
     "identify",
     "validate",
-    "reduce",
-    "export",
+    "model reduce",
+    "model export",
     "analyse",
     "design",
     "predict",
     "head identify",
-    "merge",
+    "model merge",
     "calibrate",
     "wind",
 ];
 
-/// What is only parsed: a user's own table, a board and its log, the emulator, a cluster, a killed
+/// Examples that are only parsed: a user's own table, a board and its log, the emulator, a killed
 /// program.
 const PARSED: [&str; 11] = [
     "calibrate speeds.csv",
@@ -37,8 +37,8 @@ const PARSED: [&str; 11] = [
     "serial:",
     "scpi:",
     "--on qemu",
+    "board flash",
     "anemo recover",
-    "--slurm",
     "anemo combine",
     "wind everywhere.parquet",
     "wind today.parquet",

@@ -15,7 +15,4 @@ mod many_elements;
 mod process;
 mod report;
 mod steady_table;
-mod sweep;
-#[cfg(target_os = "linux")]
-mod sweep_slurm;
 mod wind;

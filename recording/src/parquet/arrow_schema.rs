@@ -90,7 +90,7 @@ fn data_type(builder: &mut FlatBufferBuilder<'_>, kind: ColumnKind) -> (u8, Tabl
             builder.push_slot_always(field(1), false);
             2
         }
-        ColumnKind::Number | ColumnKind::Wide | ColumnKind::Sparse => {
+        ColumnKind::Number | ColumnKind::Wide => {
             builder.push_slot_always(field(0), if kind == ColumnKind::Number { 1_i16 } else { 2 });
             3
         }

@@ -44,7 +44,7 @@ enum Gathered {
 impl Gathered {
     fn new(kind: ColumnKind) -> Self {
         match kind {
-            ColumnKind::Wide | ColumnKind::Utc | ColumnKind::Sparse => Self::First(f64::NAN),
+            ColumnKind::Wide | ColumnKind::Utc => Self::First(f64::NAN),
             ColumnKind::Number => {
                 Self::Extent { sum: 0.0, count: 0.0, least: f64::INFINITY, greatest: f64::NEG_INFINITY }
             }

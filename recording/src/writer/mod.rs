@@ -16,7 +16,7 @@ use std::io::ErrorKind;
 use std::path::Path;
 use std::time::{Duration, Instant, SystemTime};
 
-use crate::column::{ColumnKind, ColumnValues, Metadata, RecordingColumn, RowCell, cells_of_row, overlay};
+use crate::column::{ColumnKind, Metadata, RowCell, overlay};
 use crate::error::RecordingError;
 use crate::file_format::check_name;
 use crate::names::{FORMAT, TIME, UTC};
@@ -412,24 +412,6 @@ pub fn write_table(
     for (n, time_s) in time_s.iter().enumerate().take(rows) {
         let values = columns.iter().map(|(_, values)| values[n]);
         table.push(&mut std::iter::once(*time_s).chain(values).map(RowCell::Number))?;
-    }
-    table.finish(&Metadata::new())
-}
-
-/// Writes a table of any columns: numbers in f64, of which a missing one is none, and text.
-///
-/// # Errors
-/// If the file cannot be written.
-pub fn write_any_table(path: &Path, columns: &[RecordingColumn], metadata: &Metadata) -> Result<(), RecordingError> {
-    let kind = |column: &RecordingColumn| match column.values {
-        ColumnValues::Numbers(_) => ColumnKind::Sparse,
-        ColumnValues::Words(_) => ColumnKind::Text,
-    };
-    let named: Vec<(String, ColumnKind)> = columns.iter().map(|column| (column.name.clone(), kind(column))).collect();
-    let mut table = TableWriter::create(path, &named, metadata)?;
-    let rows = columns.iter().map(|column| column.values.len()).min().unwrap_or(0);
-    for row in 0..rows {
-        table.push(&mut cells_of_row(columns, row))?;
     }
     table.finish(&Metadata::new())
 }

@@ -505,35 +505,6 @@ fn a_folder_goes_on_forgets_old_segments_and_keeps_means_beside() {
     assert!(error.contains("other columns"), "{error}");
 }
 
-#[test]
-fn a_table_of_any_columns_has_nulls_for_missing_numbers_and_all_digits() {
-    use crate::column::{ColumnValues, ColumnWords, RecordingColumn};
-    use crate::writer::write_any_table;
-    use parquet::file::reader::{FileReader as _, SerializedFileReader};
-
-    let folder = tempfile::tempdir().unwrap();
-    let mut names = ColumnWords::default();
-    ["a", "", "c"].into_iter().for_each(|name| names.push(name));
-    let columns = [
-        RecordingColumn { name: "name".to_owned(), values: ColumnValues::Words(names) },
-        RecordingColumn { name: "gain".to_owned(), values: ColumnValues::Numbers(vec![0.1, f64::NAN, -3e-200]) },
-    ];
-    for file in ["table.parquet", "table.csv"] {
-        let path = folder.path().join(file);
-        write_any_table(&path, &columns, &vec![("title".to_owned(), "t".to_owned())]).unwrap();
-        let read = Recording::read(&path).unwrap();
-        assert_eq!((read.len(), read.metadata("title")), (3, Some("t")), "{file}");
-        assert_eq!(read.words("name").unwrap().iter().collect::<Vec<_>>(), ["a", "", "c"]);
-        let gains = read.numbers("gain").unwrap();
-        assert_eq!((gains[0], gains[2]), (0.1, -3e-200));
-        assert!(gains[1].is_nan());
-    }
-    let file = SerializedFileReader::new(std::fs::File::open(folder.path().join("table.parquet")).unwrap()).unwrap();
-    let group = file.metadata().row_group(0);
-    let nulls = |column: usize| group.column(column).statistics().and_then(|of| of.null_count_opt());
-    assert_eq!(nulls(1), Some(1));
-}
-
 /// Begins itself again, with a disk of 1 MiB for its temporary files, where the system gives one.
 #[cfg(target_os = "linux")]
 #[test]

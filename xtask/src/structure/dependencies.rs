@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 const WATCHED: [&str; 6] = ["clap", "nix", "parquet", "plotters", "serialport", "unicorn-engine"];
 
 /// All crates, and what each has of [`WATCHED`].
-const CRATES: [(&str, &[&str]); 18] = [
+const CRATES: [(&str, &[&str]); 17] = [
     ("dr-core", &[]),
     ("wire", &[]),
     ("firmware", &[]),
@@ -25,7 +25,6 @@ const CRATES: [(&str, &[&str]); 18] = [
     ("anemo", &["clap", "nix", "parquet", "serialport"]),
     ("anemo-python", &["clap", "nix", "parquet", "serialport"]),
     ("studies", &["clap", "parquet"]),
-    ("sweep", &["parquet"]),
     ("anemo-tests", &["clap", "nix", "parquet", "serialport"]),
     ("xtask", &["clap"]),
     ("image-analysis", &[]),
