@@ -20,4 +20,5 @@
 //! ```
 
 pub mod benchmark;
+mod table;
 pub mod thesis;

@@ -18,6 +18,7 @@ use serde::Serialize;
 use super::field_judged::{EffectFigures, EffectTally, MODE, SETTLE_S, TITLES, TUNNEL_SETTLE_S, judge};
 use super::field_own;
 use super::wind::{SPHERE_B, chain};
+use crate::table::ResultTable;
 use crate::thesis::{StudyError, StudyLab};
 
 /// Of the first specimen.
@@ -135,10 +136,8 @@ impl FieldReport {
 
     /// The page of a day.
     pub fn page(&self, day: &str) -> String {
-        let line = |cells: [String; 6]| format!("| {} |\n", cells.join(" | "));
         let table = |effects: &[EffectFigures]| {
-            let rows: String = effects.iter().map(|of| line(of.cells())).collect();
-            format!("{}{}\n{rows}", line(TITLES.map(str::to_owned)), "|---".repeat(TITLES.len()) + "|")
+            ResultTable::new(&TITLES.join(" | "), effects.iter().map(EffectFigures::cells)).markdown()
         };
         format!(
             "# Effects of the field\n\nBy `cargo run --release -p studies -- benchmark field --specimens {}`, {day}. {}\n\n{}\n## In the tunnel, too\n\n{OWN}\n\n{}",

@@ -1,5 +1,7 @@
 //! Why a study came to no end.
 
+use dielectric::predict::DevicePredictError;
+use dielectric::run::DeviceRunError;
 use diffusive::identify::record::RecordError;
 use diffusive::model::ModelError;
 use host_sim::run::RunError;
@@ -17,6 +19,12 @@ pub enum StudyError {
     /// A run failed.
     #[error(transparent)]
     Run(#[from] RunError),
+    /// A run of a MEMS failed.
+    #[error(transparent)]
+    Device(#[from] DeviceRunError),
+    /// A loop of a MEMS cannot be predicted.
+    #[error(transparent)]
+    Predict(#[from] DevicePredictError),
     /// A record cannot be used.
     #[error(transparent)]
     Record(#[from] RecordError),

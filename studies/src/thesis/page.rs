@@ -5,6 +5,7 @@ use std::path::Path;
 use super::catalogue::Study;
 use super::error::StudyError;
 use super::findings::StudyFindings;
+use crate::table::ResultTable;
 use plot::{Canvas, PlotError};
 use recording::Temporary;
 use recording::template::{TemplateError, fill};
@@ -44,14 +45,14 @@ fn table(findings: &StudyFindings) -> String {
     let (judged, reported): (Vec<_>, Vec<_>) = findings.findings.iter().partition(|of| of.met.is_some());
     let rows = judged.iter().map(|of| {
         let met = if of.met == Some(true) { "met" } else { "**not met**" };
-        format!("| {} | {} | {} | {}: {met} |\n", of.what, of.published, of.ours, of.bar)
+        [of.what.clone(), of.published.clone(), of.ours.clone(), format!("{}: {met}", of.bar)]
     });
     let lines = reported.iter().map(|of| match of.published.as_str() {
         "" => format!("- {}: {}\n", of.what, of.ours),
         published => format!("- {}: {} (published: {published})\n", of.what, of.ours),
     });
-    let head = "| what | published | ours | bar |\n|---|---|---|---|\n";
-    format!("{head}{}\n{}", rows.collect::<String>(), lines.collect::<String>())
+    let table = ResultTable::new("what | published | ours | bar", rows).markdown();
+    format!("{table}\n{}", lines.collect::<String>())
 }
 
 fn index(studies: &[(&Study, StudyFindings)]) -> Result<String, TemplateError> {

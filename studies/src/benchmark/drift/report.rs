@@ -4,6 +4,8 @@ use std::fmt::{self, Display, Formatter};
 
 use serde::Serialize;
 
+use crate::table::ResultTable;
+
 use super::campaign::DriftOutcome;
 use super::room::RoomDrift;
 
@@ -76,25 +78,20 @@ impl DriftReport {
 
 impl Display for DriftReport {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        writeln!(
-            f,
-            "| room | records | within 2 se, % | median error, K/W | known drift | stated se | drift found, % | supported, % |"
-        )?;
-        writeln!(f, "|---|---|---|---|---|---|---|---|")?;
-        for of in &self.kinds {
+        let row = |of: &DriftFigures| {
             let known = of.median_known_error_k_per_w.map_or("–".to_owned(), |known| format!("{known:.3}"));
-            writeln!(
-                f,
-                "| {} | {} | {:.0} | {:.3} | {known} | {:.3} | {:.0} | {:.0} |",
-                of.room,
-                of.records,
-                of.within_2_se_percent,
-                of.median_error_k_per_w,
-                of.median_se_k_per_w,
-                of.found_percent,
-                of.supported_percent
-            )?;
-        }
-        Ok(())
+            vec![
+                of.room.to_string(),
+                of.records.to_string(),
+                format!("{:.0}", of.within_2_se_percent),
+                format!("{:.3}", of.median_error_k_per_w),
+                known,
+                format!("{:.3}", of.median_se_k_per_w),
+                format!("{:.0}", of.found_percent),
+                format!("{:.0}", of.supported_percent),
+            ]
+        };
+        let head = "room | records | within 2 se, % | median error, K/W | known drift | stated se | drift found, % | supported, %";
+        f.write_str(&ResultTable::new(head, self.kinds.iter().map(row)).markdown())
     }
 }

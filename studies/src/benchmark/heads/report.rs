@@ -5,6 +5,8 @@ use std::fmt;
 use dr_core::wind::HeadForm;
 use serde::Serialize;
 
+use crate::table::ResultTable;
+
 use super::{BANDWIDTH, HeadFigures, MeasuredHead};
 
 /// What `studies benchmark heads` reports.
@@ -49,18 +51,15 @@ impl HeadsReport {
 
     /// The page of a day under a title, by a command.
     pub fn page(&self, title: &str, command: &str, day: &str) -> String {
-        let line = |cells: &[String; 6]| format!("| {} |\n", cells.join(" | "));
-        let rows: String = self.heads.iter().map(|of| line(&of.cells())).collect();
+        let table = ResultTable::new(&TITLES.join(" | "), self.heads.iter().map(HeadFigures::cells)).markdown();
         let made: String =
             self.heads.iter().map(|of| format!("- {}, {}: {}\n", of.head, of.mode.name(), of.made_from)).collect();
         let refused: String = self.refused.iter().map(|sentence| format!("- {sentence}\n")).collect();
         let refused = if refused.is_empty() { refused } else { format!("\nNot calibrated:\n\n{refused}") };
         format!(
-            "# {title}\n\nBy `{command}`, {day}. {}\n\n{}{}{rows}\nTheir calibrations, with errors in winds that were left \
+            "# {title}\n\nBy `{command}`, {day}. {}\n\n{table}\nTheir calibrations, with errors in winds that were left \
              out:\n\n{made}{refused}",
-            legend(),
-            line(&TITLES.map(str::to_owned)),
-            "|---".repeat(TITLES.len()) + "|\n"
+            legend()
         )
     }
 }

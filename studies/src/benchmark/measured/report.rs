@@ -4,6 +4,8 @@ use std::fmt::{self, Display, Formatter};
 
 use serde::Serialize;
 
+use crate::table::ResultTable;
+
 use super::part::MeasuredPart;
 
 /// Fit below which a prediction is of no use, %.
@@ -86,9 +88,7 @@ impl Display for Count {
 
 impl Display for MeasuredReport {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        writeln!(f, "| record | fit of the rest, % | error said / error come | warned |")?;
-        writeln!(f, "|---|---|---|---|")?;
-        for of in self.parts.chunk_by(|one, next| one.table == next.table) {
+        let row = |of: &[MeasuredPart]| {
             let listed = |text: &dyn Fn(&MeasuredPart) -> String| of.iter().map(text).collect::<Vec<_>>().join(", ");
             let fits = listed(&|part| format!("{:.1}", part.fit_percent));
             let ratios = listed(&|part| part.ratio().map_or("–".to_owned(), |ratio| format!("{ratio:.2}")));
@@ -100,9 +100,11 @@ impl Display for MeasuredReport {
                 }
                 .to_owned()
             });
-            writeln!(f, "| {} | {fits} | {ratios} | {warned} |", of[0].table)?;
-        }
-        writeln!(f)?;
+            vec![of[0].table.clone(), fits, ratios, warned]
+        };
+        let rows = self.parts.chunk_by(|one, next| one.table == next.table).map(row);
+        let head = "record | fit of the rest, % | error said / error come | warned";
+        writeln!(f, "{}", ResultTable::new(head, rows).markdown())?;
         writeln!(f, "- mean fit {:.1} %; what is refused counts as 0", self.mean_fit_percent())?;
         writeln!(
             f,

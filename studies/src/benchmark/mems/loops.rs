@@ -7,8 +7,8 @@ use dr_core::control::Drive;
 use recording::Recording;
 use serde::Serialize;
 
-use super::error::MemsError;
 use super::records::run_of;
+use crate::thesis::StudyError;
 
 /// Set-points as shares of the range that the symbols can hold.
 const SHARES: [f64; 3] = [-0.4, 0.1, 0.5];
@@ -35,7 +35,7 @@ pub struct LoopFigures {
 }
 
 /// The three set-points under both orders, from a model of the device, on a device without charge.
-pub fn predicted(model: &Model, prbs: &DeviceExperiment) -> Result<Vec<LoopFigures>, MemsError> {
+pub fn predicted(model: &Model, prbs: &DeviceExperiment) -> Result<Vec<LoopFigures>, StudyError> {
     let held = |drive: Drive| DeviceExperiment {
         phases: vec![DevicePhase { tick: 0, label: String::new(), drive }],
         ticks: (LOOP_S / prbs.shape.symbol_time_s) as u32,
@@ -90,10 +90,10 @@ pub struct DaysFigures {
 /// drawn of either.
 pub fn days(
     experiment: &DeviceExperiment,
-    draw: &dyn Fn(&str, &Recording) -> Result<(), MemsError>,
-) -> Result<[DaysFigures; 2], MemsError> {
+    draw: &dyn Fn(&str, &Recording) -> Result<(), StudyError>,
+) -> Result<[DaysFigures; 2], StudyError> {
     let target = experiment.phases[0].drive.target_range_c().map_or(0.0, |(target, _)| target);
-    let of = |order: u8| -> Result<DaysFigures, MemsError> {
+    let of = |order: u8| -> Result<DaysFigures, StudyError> {
         let drive = match order {
             1 => Drive::Temperature { target_c: target },
             _ => Drive::SecondOrder { target, gain_per_tick: GAIN_PER_TICK },

@@ -12,7 +12,6 @@
 //! | [`plateaus`] | where the loop of first order locks |
 //! | [`report`] | the figures as text, as JSON and as a page |
 
-pub mod error;
 pub mod loops;
 pub mod plateaus;
 pub mod readings;
@@ -26,7 +25,8 @@ use diffusive::identify::validate::{ValidationStart, validate};
 use diffusive::identify::{Constraints, DriftGiven, IdentifyOptions, InitialState, identify};
 use plot::Canvas;
 
-pub use error::MemsError;
+use crate::thesis::StudyError;
+
 pub use report::{MemsReport, TwoSymbolFigures};
 
 /// Identified from, and predicted then, s.
@@ -36,7 +36,7 @@ const DAY_S: f64 = 86_400.0;
 ///
 /// # Errors
 /// If an experiment is missing or a run fails.
-pub fn measure(experiments: &Path, pictures: &Path, progress: &dyn Fn(&str)) -> Result<MemsReport, MemsError> {
+pub fn measure(experiments: &Path, pictures: &Path, progress: &dyn Fn(&str)) -> Result<MemsReport, StudyError> {
     let read = |name: &str| DeviceExperiment::read(&experiments.join(name));
     let picture = |name: &str| Canvas::create(&pictures.join(name));
     progress("two days of pseudo-random symbols");

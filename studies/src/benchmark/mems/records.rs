@@ -7,7 +7,7 @@ use host_sim::instrument::in_process::InProcess;
 use host_sim::run::RunError;
 use recording::{Collector, Recording};
 
-use super::error::MemsError;
+use crate::thesis::StudyError;
 
 /// One run.
 pub struct DeviceRecord {
@@ -35,7 +35,7 @@ pub struct DeviceNumbers {
 }
 
 /// Runs an experiment on its simulated device.
-pub fn run_of(experiment: &DeviceExperiment) -> Result<DeviceRecord, MemsError> {
+pub fn run_of(experiment: &DeviceExperiment) -> Result<DeviceRecord, StudyError> {
     let known = metadata(experiment, "sim");
     let mut collector = Collector::thinned(layout(experiment, true), &known);
     let mut rows = Vec::with_capacity(experiment.ticks as usize);

@@ -4,12 +4,13 @@ use std::fmt;
 
 use diffusive::identify::validate::ValidationReport;
 use diffusive::model::{Model, Pair};
-use recording::text::{columns, four_digits as brief};
+use recording::text::four_digits as brief;
 use serde::Serialize;
 
 use super::loops::{DaysFigures, LoopFigures};
 use super::plateaus::PlateauFigures;
 use super::readings::ReadingFigures;
+use crate::table::ResultTable;
 
 /// All that was measured.
 #[derive(Debug, Serialize)]
@@ -50,15 +51,8 @@ impl TwoSymbolFigures {
     }
 }
 
-/// A table: its head, and rows of numbers and words.
-struct ResultTable {
-    title: &'static str,
-    head: Vec<&'static str>,
-    rows: Vec<Vec<String>>,
-}
-
 impl MemsReport {
-    fn tables(&self) -> Vec<ResultTable> {
+    fn tables(&self) -> [(&'static str, ResultTable); 5] {
         let readings = self.readings.iter().map(|of| {
             vec![
                 brief(of.duration_s),
@@ -110,59 +104,39 @@ impl MemsReport {
                 of.second_order.map(brief).join(", "),
             ]
         });
-        vec![
-            ResultTable {
-                title: "Voltage shift by two readings and by one",
-                head: vec!["first, s", "two readings, V rms", "one reading, V rms", "share"],
-                rows: readings.collect(),
-            },
-            ResultTable {
-                title: "A day identified, the next one forecast",
-                head: vec!["fit, second day", "V rms", "1 for ever, V", "−1 for ever, V"],
-                rows: vec![two],
-            },
-            ResultTable {
-                title: "Set-points, predicted from the model and simulated",
-                head: vec![
-                    "order",
-                    "set-point, V",
-                    "mean symbol predicted",
-                    "simulated",
-                    "share of ones off by",
-                    "shift off by, of the span",
-                    "reached, s",
-                ],
-                rows: held.collect(),
-            },
-            ResultTable {
-                title: "Two days at a set-point, the room 10 K warmer from the middle on",
-                head: vec!["order", "most off, V", "one symbol moves, V", "mean off, V", "mean symbol"],
-                rows: days.collect(),
-            },
-            ResultTable {
-                title: "Locking of the loop of first order",
-                head: vec![
-                    "ones",
-                    "predicted, V",
-                    "simulated, V",
-                    "edges off by",
-                    "mean symbol across it, first order",
-                    "second order",
-                ],
-                rows: plateaus.collect(),
-            },
+        [
+            (
+                "Voltage shift by two readings and by one",
+                ResultTable::new("first, s | two readings, V rms | one reading, V rms | share", readings),
+            ),
+            (
+                "A day identified, the next one forecast",
+                ResultTable::new("fit, second day | V rms | 1 for ever, V | −1 for ever, V", [two]),
+            ),
+            (
+                "Set-points, predicted from the model and simulated",
+                ResultTable::new(
+                    "order | set-point, V | mean symbol predicted | simulated | share of ones off by | shift off by, of the span | reached, s",
+                    held,
+                ),
+            ),
+            (
+                "Two days at a set-point, the room 10 K warmer from the middle on",
+                ResultTable::new("order | most off, V | one symbol moves, V | mean off, V | mean symbol", days),
+            ),
+            (
+                "Locking of the loop of first order",
+                ResultTable::new(
+                    "ones | predicted, V | simulated, V | edges off by | mean symbol across it, first order | second order",
+                    plateaus,
+                ),
+            ),
         ]
     }
 
     /// The page of the results.
     pub fn page(&self, day: &str) -> String {
-        let table = |of: &ResultTable| {
-            let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
-            let head: Vec<String> = of.head.iter().map(|&cell| cell.to_owned()).collect();
-            let rule = format!("|{}\n", "---|".repeat(head.len()));
-            format!("{}{rule}{}", line(&head), of.rows.iter().map(|row| line(row)).collect::<String>())
-        };
-        let tables: Vec<String> = self.tables().iter().map(table).collect();
+        let tables = self.tables().map(|(_, table)| table.markdown());
         let fill = [
             ("day", day),
             ("readings", &tables[0]),
@@ -177,10 +151,6 @@ impl MemsReport {
 
 impl fmt::Display for MemsReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.tables().into_iter().try_for_each(|of| {
-            let mut lines = vec![of.head.iter().map(|&cell| cell.to_owned()).collect()];
-            lines.extend(of.rows);
-            writeln!(f, "{}:\n{}", of.title, columns(&lines, &[]))
-        })
+        self.tables().iter().try_for_each(|(title, table)| writeln!(f, "{title}:\n{}", table.text()))
     }
 }

@@ -6,6 +6,8 @@ use anemometry::head::Head;
 use recording::text::short;
 use serde::Serialize;
 
+use crate::table::ResultTable;
+
 use super::compared::{ModeFigures, OperatingMode, WINDS_M_S};
 
 /// What `studies benchmark modes` reports.
@@ -94,17 +96,10 @@ impl HeadModes {
 
     /// Its part of a page.
     fn page(&self) -> String {
-        let mut page = format!(
-            "\n## {}\n\n{} K over the gas; {}.\n\n| mode | {} |\n|---|---|---|---|---|\n",
-            self.head,
-            self.overheat_k,
-            self.basis(),
-            COLUMNS.map(|(title, _)| title).join(" | ")
-        );
-        for (m, mode) in self.modes().enumerate() {
-            page += &format!("| {} | {} |\n", mode.name(), self.row(m).join(" | "));
-        }
-        page
+        let head = ["mode"].into_iter().chain(COLUMNS.map(|(title, _)| title)).collect::<Vec<_>>().join(" | ");
+        let rows = self.modes().enumerate().map(|(m, mode)| [vec![mode.name().to_owned()], self.row(m)].concat());
+        let table = ResultTable::new(&head, rows).markdown();
+        format!("\n## {}\n\n{} K over the gas; {}.\n\n{table}", self.head, self.overheat_k, self.basis())
     }
 
     fn basis(&self) -> String {
