@@ -71,7 +71,7 @@ pub fn rust_files(root: &Path) -> Result<Vec<RustFile>> {
 pub fn crate_folder(root: &Path, path: &str) -> String {
     let folders = || path.match_indices('/').map(|(end, _)| &path[..end]);
     let is_crate = |folder: &&str| root.join(folder).join("Cargo.toml").is_file();
-    folders().filter(is_crate).next_back().or(folders().next()).unwrap_or_default().to_owned()
+    folders().rfind(is_crate).or(folders().next()).unwrap_or_default().to_owned()
 }
 
 /// All files of one kind below a folder, but none of hidden folders, build output and recordings.
