@@ -12,6 +12,8 @@ pub struct ImageSection {
     pub size: u64,
     /// Whether its content is stored in flash (an initialised `.data` is, `.bss` is not).
     pub stored: bool,
+    /// What is stored.
+    pub content: Vec<u8>,
     /// Whether it can be written, so that it takes RAM.
     pub writable: bool,
 }
@@ -49,6 +51,7 @@ impl Image {
             name: section.name().unwrap_or("?").to_owned(),
             size: section.size(),
             stored: section.file_range().is_some(),
+            content: section.data().unwrap_or_default().to_vec(),
             writable: flags(section).contains(elf::SHF_WRITE),
         });
         let sections = sections.collect();

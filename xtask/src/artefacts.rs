@@ -41,6 +41,11 @@ pub fn anemo() -> Result<PathBuf> {
     executable(shell::cargo().args(["build", "--release", "-p", "anemo", "--bin", "anemo"]), "anemo")
 }
 
+/// Builds the commands `anemo` and `studies`, which lie in one folder, and returns the first.
+pub fn anemo_and_studies() -> Result<PathBuf> {
+    executable(shell::cargo().args(["build", "--release", "-p", "anemo", "-p", "studies", "--bins"]), "anemo")
+}
+
 /// Builds the examples of all crates and returns the one that writes the interface of `anemo`.
 ///
 /// All of them, as the tests need them: for one alone cargo chooses other features.

@@ -31,7 +31,7 @@ pub fn run() -> Result<()> {
     export.args(["export", "--format=lcov", "--instr-profile"]).arg(&merged).arg(&tests);
     let mut counted = read(&shell::captured(&mut export)?);
     let mut files = BTreeMap::new();
-    for file in sources::rust_files()? {
+    for file in sources::rust_files(&shell::root())? {
         let Some(name) = file.path.strip_prefix(CRATE).and_then(|path| path.strip_prefix("/src/")) else { continue };
         let path = shell::root().join(&file.path);
         if let Some(mut lines) = counted.remove(&*path.to_string_lossy())

@@ -4,7 +4,8 @@
 use crate::artefacts::{FirmwareBoard, LINKER_VARIABLE};
 use crate::deny::{self, DenyOptions};
 use crate::install::{self, TARGET};
-use crate::{limits, lines, links, shell, structure};
+use crate::lines::{self, LinesOptions};
+use crate::{limits, links, shell, structure};
 use anyhow::{Context, Result};
 
 pub fn run() -> Result<()> {
@@ -16,8 +17,8 @@ pub fn run() -> Result<()> {
     shell::announce("length of pages, and whether the book lists them");
     limits::run()?;
     structure::run()?;
-    shell::announce("lines of code");
-    lines::run()?;
+    shell::announce("lines of code, words of pages");
+    lines::run(&LinesOptions::default())?;
     shell::announce("licences and sources of dependencies");
     deny::run(&DenyOptions::default())?;
     shell::announce("format");

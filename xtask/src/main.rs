@@ -71,8 +71,8 @@ enum Job {
     /// Check the shape of the code: circles of imports, names of types, errors, dependencies, width
     /// of comments
     Structure,
-    /// Count lines of code, doc comments and tests of every crate, and refuse too much code
-    Lines,
+    /// Count lines of code of every crate, of its tests and examples, and the words of all pages
+    Lines(lines::LinesOptions),
     /// Run all experiments and a chain of analyses by an older command `anemo` and by this one, and
     /// compare the results to the bit
     SameResults(same_results::SameResultsOptions),
@@ -128,7 +128,7 @@ fn main() -> ExitCode {
         Job::Deny(options) => deny::run(&options),
         Job::Ci => ci::run(Job::command()),
         Job::Structure => structure::run(),
-        Job::Lines => lines::run(),
+        Job::Lines(options) => lines::run(&options),
         Job::SameResults(options) => same_results::run(&options),
         Job::Reference(options) => reference::run(&options),
         Job::Dist => dist::run(),

@@ -145,7 +145,13 @@ mod tests {
     use super::*;
 
     fn image() -> Image {
-        let section = |name: &str, size, stored, writable| ImageSection { name: name.into(), size, stored, writable };
+        let section = |name: &str, size, stored, writable| ImageSection {
+            name: name.into(),
+            size,
+            stored,
+            content: Vec::new(),
+            writable,
+        };
         let symbol = |name: &str, size, section| ImageSymbol { name: name.into(), size, section: Some(section) };
         Image {
             sections: vec![

@@ -26,7 +26,7 @@ use crate::{install, python, shell, sources};
 use anyhow::{Context, Result, bail};
 use page::{Page, PageOutcome, Workshop};
 pub use programs::PagePrograms;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 use transcript::Step;
@@ -43,7 +43,7 @@ pub struct PagesOptions {
 
 /// Runs pages; `jobs` are those of `cargo xtask`. Programs that are not handed over are built.
 pub fn run(options: &PagesOptions, jobs: clap::Command, programs: Option<PagePrograms>) -> Result<()> {
-    let paths = if options.pages.is_empty() { all()? } else { options.pages.clone() };
+    let paths = if options.pages.is_empty() { all(&shell::root())? } else { options.pages.clone() };
     let mut pages = paths.iter().map(|path| Page::read(path)).collect::<Result<Vec<_>>>()?;
     // The longest come first, so that no processor waits for them at the end.
     pages.sort_by_key(|page| std::cmp::Reverse(page.steps.len()));
@@ -70,8 +70,7 @@ pub fn run(options: &PagesOptions, jobs: clap::Command, programs: Option<PagePro
 }
 
 /// The pages whose commands are run: those that a reader is led to.
-pub fn all() -> Result<Vec<PathBuf>> {
-    let root = shell::root();
+pub fn all(root: &Path) -> Result<Vec<PathBuf>> {
     let mut pages = vec![root.join("README.md"), root.join("CONTRIBUTING.md")];
     pages.extend(sources::files_with_extension(&root.join("docs"), "md")?);
     Ok(pages)

@@ -1,28 +1,60 @@
 //! Results of commands side by side.
 
-use super::renamed;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::process::Output;
 
-/// What a command has come to.
+/// What a command prints or a file holds.
 #[derive(Default)]
 pub struct CommandResult {
-    pub exit_code: Option<i32>,
     pub values: Values,
-    pub errors: String,
+    errors: String,
 }
 
 /// By place, for example `elements.sector1.mean_power_w` or `pairs.0.mesh_rad_s.2`. Numbers of JSON
 /// keep all digits that are written: read as `f64`, two of them might be taken for one.
-pub type Values = BTreeMap<String, Value>;
+type Values = BTreeMap<String, Value>;
 
-/// What the places of tables' cells begin with.
-const COLUMN: &str = "column.";
+/// Beginnings of places whose texts have to be equal, sentences included: cells of tables, lines of
+/// files.
+const EXACT: [&str; 2] = ["column.", "line."];
+/// Keys that hold the time at which a command ran.
+const TIMES: [&str; 2] = ["date", "utc"];
 /// How many differences of one result are shown.
 const SHOWN: usize = 5;
 
+impl CommandResult {
+    /// What is printed is compared if it is JSON.
+    pub fn of_command(output: &Output) -> CommandResult {
+        let mut values = json_values(&String::from_utf8_lossy(&output.stdout));
+        values.insert("exit code".into(), output.status.code().into());
+        CommandResult { values, errors: String::from_utf8_lossy(&output.stderr).into() }
+    }
+
+    pub fn of_file(path: &str, content: &[u8]) -> CommandResult {
+        let mut result = CommandResult::default();
+        match (path.rsplit('.').next(), str::from_utf8(content)) {
+            (Some("json"), Ok(text)) => result.values = json_values(text),
+            (Some("csv"), Ok(text)) => result.values = cells(text),
+            (_, Ok(text)) => {
+                let lines = text.lines().enumerate().map(|(at, line)| (format!("line.{at}"), line.into()));
+                result.values = lines.collect();
+            }
+            (_, Err(_)) => result.add_content("content", content),
+        }
+        result
+    }
+
+    pub fn add_content(&mut self, place: &str, content: &[u8]) {
+        let mut hasher = DefaultHasher::new();
+        content.hash(&mut hasher);
+        self.values.insert(place.into(), format!("{}-bytes-{:x}", content.len(), hasher.finish()).into());
+    }
+}
+
 /// All values of a text of JSON. Nothing if the text is none.
-pub fn values(text: &str) -> Values {
+fn json_values(text: &str) -> Values {
     let mut values = Values::new();
     if let Ok(json) = serde_json::from_str(text) {
         collect(String::new(), json, &mut values);
@@ -48,12 +80,12 @@ fn collect(place: String, value: Value, values: &mut Values) {
 }
 
 /// Cells of a table of comma-separated values by column and row. Lines of comment are left out.
-pub fn cells(text: &str) -> Values {
+fn cells(text: &str) -> Values {
     let mut lines = text.lines().filter(|line| !line.starts_with('#'));
     let columns: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
     let of_row = |(row, line): (usize, &str)| {
         let cells = columns.iter().zip(line.split(','));
-        cells.map(|(column, cell)| (format!("{COLUMN}{column}.{row}"), cell.into())).collect::<Vec<_>>()
+        cells.map(|(column, cell)| (format!("column.{column}.{row}"), cell.into())).collect::<Vec<_>>()
     };
     lines.enumerate().flat_map(of_row).collect()
 }
@@ -74,23 +106,14 @@ pub struct ResultComparison {
 impl ResultComparison {
     pub fn of(old: &CommandResult, new: &CommandResult) -> ResultComparison {
         let mut comparison = ResultComparison::default();
-        if old.exit_code != new.exit_code {
-            let codes = format!("exit code {:?} → {:?}", old.exit_code, new.exit_code);
-            comparison.different.push(format!("{codes}: {}{}", old.errors.trim(), new.errors.trim()));
-        }
         let mut new_left: BTreeMap<&String, &Value> = new.values.iter().collect();
-        // A column's older name may be another one's newer name.
-        let columns_as_before =
-            old.values.keys().filter(|place| is_column(place)).all(|place| new.values.contains_key(place));
         // What both have, without the numbers of rows and entries.
         let mut names = BTreeSet::new();
         for (place, value) in &old.values {
-            let translated = if is_column(place) && columns_as_before { place } else { &translated(place) };
-            // A key that has not been renamed yet has its older name.
-            match new_left.remove_entry(translated).or_else(|| new_left.remove_entry(place)) {
-                Some((new_place, new_value)) => {
-                    names.extend([without_numbers(place), without_numbers(new_place)]);
-                    comparison.value(new_place, value, new_value);
+            match new_left.remove(place) {
+                Some(new_value) => {
+                    names.insert(without_numbers(place));
+                    comparison.value(place, value, new_value);
                 }
                 None => drop(comparison.only_old.insert(without_numbers(place))),
             }
@@ -99,20 +122,27 @@ impl ResultComparison {
         let missing = comparison.only_old.union(&comparison.only_new);
         let lists = missing.filter(|name| names.contains(*name));
         comparison.different.extend(lists.map(|name| format!("{name}: another number of entries")));
-        if comparison.compared == 0 && !old.values.is_empty() {
-            comparison.different.push(format!("the newer one has nothing to compare: {}", new.errors.trim()));
+        for (which, values) in [("older", &old.values), ("newer", &new.values)] {
+            if values.is_empty() {
+                comparison.different.push(format!("the {which} one has nothing of this"));
+            }
+        }
+        if old.values.get("exit code") != new.values.get("exit code") {
+            comparison.different.push(format!("{} → {}", old.errors.trim(), new.errors.trim()));
         }
         comparison
     }
 
     fn value(&mut self, place: &str, old: &Value, new: &Value) {
-        let texts = old.as_str().zip(new.as_str()).filter(|_| !is_column(place));
-        // Sentences may be put otherwise; names and hashes may not, unless they were renamed.
-        if texts.is_some_and(|(old, new)| old.contains([' ', '/']) || new.contains(' ')) {
+        let is_exact = EXACT.iter().any(|beginning| place.starts_with(beginning));
+        let texts = old.as_str().zip(new.as_str()).filter(|_| !is_exact);
+        let is_time = place.rsplit('.').next().is_some_and(|key| TIMES.contains(&key));
+        // Sentences may be put otherwise; names and hashes may not.
+        if is_time || texts.is_some_and(|(old, new)| old.contains([' ', '/']) || new.contains(' ')) {
             return;
         }
         self.compared += 1;
-        if old == new || texts.is_some_and(|(old, new)| renamed::column(old) == new) {
+        if old == new {
             return;
         }
         let written = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
@@ -126,32 +156,20 @@ impl ResultComparison {
     }
 }
 
-fn is_column(place: &str) -> bool {
-    place.starts_with(COLUMN)
-}
-
-/// A place by its newer names.
-fn translated(place: &str) -> String {
-    if let Some((column, row)) = place.strip_prefix(COLUMN).and_then(|rest| rest.rsplit_once('.')) {
-        return format!("{COLUMN}{}.{row}", renamed::column(column));
-    }
-    place.split('.').map(renamed::key).collect::<Vec<_>>().join(".")
-}
-
 /// A place without the numbers of rows and entries.
 fn without_numbers(place: &str) -> String {
     place.split('.').filter(|name| name.parse::<usize>().is_err()).collect::<Vec<_>>().join(".")
 }
 
-/// Shows all comparisons with what was compared.
+/// Shows what differs, and how much was compared.
 pub fn print(rows: &[(String, ResultComparison)]) {
-    println!("{:<60} {:>8} {:>10} {:>20}", "what", "compared", "different", "largest difference");
-    for (name, comparison) in rows {
+    for (name, comparison) in rows.iter().filter(|(_, comparison)| !comparison.different.is_empty()) {
         let (count, largest) = (comparison.different.len(), comparison.largest_difference);
-        let verdict = if count == 0 { "equal".to_owned() } else { count.to_string() };
-        println!("{name:<60} {:>8} {verdict:>10} {largest:>20.1e}", comparison.compared);
+        println!("{name}\n    {count} of {} differ, by {largest:.1e} of themselves at most", comparison.compared);
         comparison.different.iter().take(SHOWN).for_each(|difference| println!("    {difference}"));
     }
+    let compared: usize = rows.iter().map(|(_, comparison)| comparison.compared).sum();
+    println!("{compared} values of {} commands, files and images compared", rows.len());
     let only_old: BTreeSet<&String> = rows.iter().flat_map(|(_, comparison)| &comparison.only_old).collect();
     let only_new: BTreeSet<&String> = rows.iter().flat_map(|(_, comparison)| &comparison.only_new).collect();
     for (which, places) in [("older", only_old), ("newer", only_new)] {
@@ -166,25 +184,25 @@ pub fn print(rows: &[(String, ResultComparison)]) {
 mod tests {
     use super::*;
 
-    fn outcome(exit_code: i32, text: &str) -> CommandResult {
-        CommandResult { exit_code: Some(exit_code), values: values(text), errors: String::new() }
+    fn json(text: &str) -> CommandResult {
+        CommandResult { values: json_values(text), errors: String::new() }
     }
 
     fn compare(old: &str, new: &str) -> ResultComparison {
-        ResultComparison::of(&outcome(0, old), &outcome(0, new))
+        ResultComparison::of(&json(old), &json(new))
     }
 
     #[test]
     fn numbers_keep_all_their_digits_and_their_places() {
         let text = r#" {"a": 0.10000000000000001, "b": [1, {"c": "x, \"y\"}"}, []], "d": {}, "e": null, "f": -1e-9} "#;
-        let written: Vec<_> = values(text).iter().map(|(place, value)| format!("{place}: {value}")).collect();
+        let written: Vec<_> = json_values(text).iter().map(|(place, value)| format!("{place}: {value}")).collect();
         assert_eq!(written, ["a: 0.10000000000000001", "b.0: 1", r#"b.1.c: "x, \"y\"}""#, "e: null", "f: -1e-9"]);
     }
 
     #[test]
     fn what_is_no_json_is_nothing() {
         for text in ["", "a summary", "{\"a\": 1", "{\"a\": what}", "[1 2]", "1 2"] {
-            assert!(values(text).is_empty(), "{text}");
+            assert!(json_values(text).is_empty(), "{text}");
         }
     }
 
@@ -195,17 +213,6 @@ mod tests {
         let other = compare(r#"{"a": 0.30000000000000004}"#, r#"{"a": 0.3}"#);
         assert_eq!(other.different, ["a: 0.30000000000000004 → 0.3"]);
         assert!(other.largest_difference > 1e-16 && other.largest_difference < 2e-16);
-    }
-
-    #[test]
-    fn what_has_been_renamed_is_compared_under_its_newer_name_and_under_its_older_one_until_then() {
-        let old = r#"{"doubts": {"cold": 3}, "inputs": ["power_w:card1-die1"]}"#;
-        let new = r#"{"quality_flags": {"cold": 3}, "inputs": ["power_w_card1_die1"]}"#;
-        for newer in [old, new] {
-            let comparison = compare(old, newer);
-            assert_eq!((comparison.compared, comparison.different.len()), (2, 0), "{newer}");
-            assert!(comparison.only_old.is_empty() && comparison.only_new.is_empty());
-        }
     }
 
     #[test]
@@ -226,23 +233,20 @@ mod tests {
         let longer = compare(r#"{"rows": [1, 2], "n": 1}"#, r#"{"rows": [1, 2, 3], "n": 1}"#);
         assert_eq!(longer.different, ["rows: another number of entries"]);
         let nothing = compare(r#"{"n": 1}"#, "a summary");
-        assert!(nothing.different[0].starts_with("the newer one has nothing to compare"), "{nothing:?}");
+        assert_eq!(nothing.different, ["the newer one has nothing of this"]);
     }
 
     #[test]
-    fn another_exit_code_is_a_difference() {
-        let comparison = ResultComparison::of(&outcome(1, ""), &outcome(0, "{}"));
-        assert!(comparison.different[0].starts_with("exit code Some(1) → Some(0)"));
-    }
-
-    #[test]
-    fn columns_of_tables_are_compared_cell_by_cell() {
-        let table = |text: &str| CommandResult { exit_code: Some(0), values: cells(text), errors: String::new() };
-        let old = table("# head: x\ntime_s,wind_x_m_s,answer_x_m_s,state\n0,1,2,running\n1,1,2.5,running\n");
-        let new = table("time_s,true_wind_x_m_s,wind_x_m_s,state\n0,1,2,running\n1,1,2.25,running\n");
+    fn columns_of_tables_are_compared_cell_by_cell_and_texts_line_by_line() {
+        let file = |path: &str, text: &str| CommandResult::of_file(path, text.as_bytes());
+        let old = file("a.csv", "# head: x\ntime_s,wind_x_m_s,state\n0,2,running\n1,2.5,running\n");
+        let new = file("a.csv", "time_s,wind_x_m_s,state\n0,2,running\n1,2.25,running\n");
         let comparison = ResultComparison::of(&old, &new);
         assert_eq!(comparison.different, ["column.wind_x_m_s.1: 2.5 → 2.25"]);
-        assert_eq!(comparison.compared, 8);
-        assert!(ResultComparison::of(&old, &old).different.is_empty(), "before anything was renamed");
+        assert_eq!(comparison.compared, 6);
+        let comparison = ResultComparison::of(&file("a.svg", "<a b>\n<c d>"), &file("a.svg", "<a b>\n<c e>"));
+        assert_eq!(comparison.different, ["line.1: <c d> → <c e>"]);
+        let [old, new] = [[0xff, 1], [0xff, 2]].map(|content| CommandResult::of_file("a.png", &content));
+        assert_eq!(ResultComparison::of(&old, &new).different.len(), 1);
     }
 }

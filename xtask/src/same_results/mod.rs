@@ -1,160 +1,166 @@
 //! Whether two builds of the command `anemo`, an older one and this tree's, give the same results,
 //! to the bit.
 //!
-//! Both run every experiment in process (all of them: the longest takes 10 s), and then the chain
-//! of analyses of [`steps`]: the older one from its own recordings, this tree's once from those of
-//! the older one and once from its own. What they print with `--json`, their exit codes and the
-//! tables that they write are compared, number by number as text. Names that have changed meanwhile
-//! are translated by [`renamed`]; a key that only one of them has is named, and no fault. Sentences
-//! for people are not compared.
+//! Each runs every experiment in process, and then the commands of `steps.txt`, in a folder of its
+//! own. What they print, their exit codes and the files that they write are compared, numbers as
+//! text. A key that only one of them has is named, and no fault. Sentences for people are not
+//! compared. With `--firmware` the images of both boards are built in both trees and compared.
 
 mod compare;
-mod renamed;
-mod steps;
+mod firmware;
 
 use crate::{artefacts, shell, sources};
 use anyhow::{Context, Result, bail};
 use compare::{CommandResult, ResultComparison};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use steps::AnalysisStep;
 
 #[derive(clap::Args)]
 pub struct SameResultsOptions {
-    /// The older command `anemo`
-    old: PathBuf,
+    /// The older command `anemo`; `studies` is looked for in the same folder
+    #[arg(required_unless_present = "firmware")]
+    old: Option<PathBuf>,
     /// The newer one; by default that of this tree, which is built
     new: Option<PathBuf>,
-    /// The experiments that both run; by default those of this tree
-    #[arg(long, value_name = "FOLDER")]
-    experiments: Option<PathBuf>,
-    /// Also what takes minutes: identify the network of a sphere, calibrate it, and read the wind
-    /// from it
+    /// Also what takes minutes: the network, calibration and wind of a sphere, the long studies
     #[arg(long)]
     long: bool,
+    /// Compare both boards' images of an older tree with those of this one
+    #[arg(long, value_name = "OLD_TREE")]
+    firmware: Option<PathBuf>,
 }
 
-/// What was done, by name, and what it has come to.
-type CommandResults = Vec<(String, CommandResult)>;
-
-/// One of the two commands, and where it finds and leaves its files.
-struct Build {
-    program: PathBuf,
-    experiments: PathBuf,
-    recordings: PathBuf,
-    work: PathBuf,
-    steps: Vec<AnalysisStep>,
-}
+/// Files that hold the time at which they were made. `anemo run` prints a hash of a recording's rows.
+const DATED: [&str; 2] = ["parquet", "pdf"];
 
 pub fn run(options: &SameResultsOptions) -> Result<()> {
     let absolute = |path: &Path| path.canonicalize().with_context(|| format!("there is no {}", path.display()));
-    let old = absolute(&options.old)?;
-    let new = options.new.as_deref().map_or_else(artefacts::anemo, absolute)?;
-    let experiments = options.experiments.as_deref().map_or_else(|| Ok(shell::root().join("experiments")), absolute)?;
-    let folder = shell::target_directory()?.join("same-results");
-    let build = |program: &Path, recordings: &str, work: &str| -> Result<Build> {
-        let (recordings, work) = (folder.join(recordings), folder.join(work));
-        std::fs::create_dir_all(&recordings)?;
-        if work.exists() {
-            std::fs::remove_dir_all(&work)?;
-        }
-        std::fs::create_dir_all(&work)?;
-        let steps = steps::read()?.into_iter().filter(|step| options.long || !step.is_long).collect();
-        Ok(Build { program: program.to_path_buf(), experiments: experiments.clone(), recordings, work, steps })
-    };
-    let before = build(&old, "old", "old-analyses")?;
-    let handed_over = build(&new, "old", "new-analyses-of-old")?;
-    let after = build(&new, "new", "new-analyses")?;
-
-    shell::announce("experiments, by both");
-    let [old_runs, new_runs] = together([&|| before.experiments(), &|| after.experiments()]);
     let mut rows = Vec::new();
-    // Both do the same, in the same order.
-    let mut add = |old: &CommandResults, new: &CommandResults, kind: &str, source: &str| {
-        for ((name, old), (_, new)) in old.iter().zip(new) {
-            rows.push((format!("{kind}: {name}{source}"), ResultComparison::of(old, new)));
+    if let Some(tree) = &options.firmware {
+        rows.extend(firmware::compare(&absolute(tree)?)?);
+    }
+    if let Some(old) = &options.old {
+        let old = absolute(old)?;
+        let new = options.new.as_deref().map_or_else(artefacts::anemo_and_studies, absolute)?;
+        let lines = lines(options.long)?;
+        shell::announce(&format!("{} commands, by both", lines.len()));
+        let [old, new] = std::thread::scope(|scope| {
+            let threads =
+                [("old", old), ("new", new)].map(|(name, program)| scope.spawn(|| results(name, program, &lines)));
+            threads.map(|thread| thread.join().unwrap_or_else(|_| bail!("a thread has ended early")))
+        });
+        let (old, mut new) = (old?, new?);
+        for (name, old) in &old {
+            rows.push((name.clone(), ResultComparison::of(old, &new.remove(name).unwrap_or_default())));
         }
-    };
-    add(&old_runs?, &new_runs?, "experiment", "");
-    shell::announce("analyses, by both");
-    let [old, of_old, own] = together([&|| before.analyses(), &|| handed_over.analyses(), &|| after.analyses()]);
-    let old = old?;
-    add(&old, &of_old?, "analysis", ", older recordings");
-    add(&old, &own?, "analysis", ", own recordings");
+        rows.extend(new.into_iter().map(|(name, new)| (name, ResultComparison::of(&CommandResult::default(), &new))));
+    }
     compare::print(&rows);
     match rows.iter().filter(|(_, comparison)| !comparison.different.is_empty()).count() {
         0 => Ok(()),
-        faults => bail!("{faults} results differ; files are kept in {}", folder.display()),
+        faults => bail!("{faults} results differ; files are kept in {}", folder()?.display()),
     }
 }
 
-/// Does all of these at once, each in a thread of its own.
-fn together<const N: usize>(jobs: [&(dyn Fn() -> Result<CommandResults> + Sync); N]) -> [Result<CommandResults>; N] {
-    std::thread::scope(|scope| {
-        let threads = jobs.map(|job| scope.spawn(job));
-        threads.map(|thread| thread.join().unwrap_or_else(|_| bail!("a thread has ended early")))
-    })
+fn folder() -> Result<PathBuf> {
+    Ok(shell::target_directory()?.join("same-results"))
 }
 
-impl Build {
-    /// Runs every experiment. Those that a step asks for are recorded.
-    fn experiments(&self) -> Result<CommandResults> {
-        let mut outcomes = Vec::new();
-        for path in sources::files_with_extension(&self.experiments, "toml")? {
-            let name = path.strip_prefix(&self.experiments).unwrap_or(&path).with_extension("");
-            let name = name.to_string_lossy().replace('\\', "/");
-            let recording = format!("{}.parquet", name.replace('/', "-"));
-            let mut command = Command::new(&self.program);
-            command.arg("run").arg(&path).args(["--on", "sim", "--json"]);
-            if self.steps.iter().any(|step| step.arguments.contains(&format!("{{recordings}}/{recording}"))) {
-                command.arg("-o").arg(self.recordings.join(&recording));
+/// All experiments, and the commands of `steps.txt`.
+fn lines(with_long: bool) -> Result<Vec<String>> {
+    let (quick, long) = include_str!("steps.txt").split_once("\n--long\n").context("steps.txt has no --long")?;
+    let steps = quick.lines().chain(long.lines().take(if with_long { usize::MAX } else { 0 }));
+    let steps: Vec<&str> = steps.filter(|line| !line.is_empty() && !line.starts_with('#')).collect();
+    let experiments = shell::root().join("experiments");
+    let mut lines = Vec::new();
+    let mut unknown: BTreeSet<&str> = steps.iter().flat_map(|line| line.split([' ', '='])).collect();
+    for path in sources::files_with_extension(&experiments, "toml")? {
+        let name = path.strip_prefix(&experiments).unwrap_or(&path).with_extension("");
+        let name = name.to_string_lossy().replace('\\', "/");
+        let recording = format!("recordings/{}.parquet", name.replace('/', "-"));
+        let recorded = if unknown.remove(&*recording) { format!(" -o {recording}") } else { String::new() };
+        // What is no experiment of a head or a device is refused by both.
+        let mark = if name.starts_with("sweeps/") { "! " } else { "" };
+        lines.push(format!("{mark}anemo run experiments/{name}.toml --on sim --json{recorded}"));
+    }
+    if let Some(recording) = unknown.iter().find(|word| word.starts_with("recordings/")) {
+        bail!("{recording} is of no experiment");
+    }
+    lines.extend(steps.into_iter().map(str::to_owned));
+    Ok(lines)
+}
+
+/// Results of all commands, and then of all files that they leave.
+fn results(name: &str, anemo: PathBuf, lines: &[String]) -> Result<BTreeMap<String, CommandResult>> {
+    let folder = folder()?.join(name);
+    if folder.exists() {
+        std::fs::remove_dir_all(&folder)?;
+    }
+    std::fs::create_dir_all(folder.join("recordings"))?;
+    let mut results = BTreeMap::new();
+    for line in lines {
+        let is_to_fail = line.starts_with("! ");
+        let mut spellings = line.trim_start_matches("! ").split(" || ").peekable();
+        while let Some(spelling) = spellings.next() {
+            let mut words = words(spelling).into_iter();
+            let program = anemo.with_file_name(words.next().unwrap_or_default());
+            let mut command = Command::new(if program.ends_with("anemo") { &anemo } else { &program });
+            command.current_dir(&folder).args(words).stdin(Stdio::null());
+            let output = command.output().with_context(|| format!("{} cannot be started", program.display()))?;
+            if output.status.code() == Some(2) && spellings.peek().is_some() {
+                continue;
             }
-            outcomes.push((name, self.outcome(&mut command, None)?));
+            let errors = String::from_utf8_lossy(&output.stderr);
+            if output.status.success() == is_to_fail {
+                bail!("{name}: `{spelling}` ends with {}: {}", output.status, errors.trim());
+            }
+            results.insert(line.clone(), CommandResult::of_command(&output));
+            break;
         }
-        if outcomes.is_empty() {
-            bail!("{} has no experiments", self.experiments.display());
-        }
-        Ok(outcomes)
     }
-
-    /// Goes through the chain.
-    fn analyses(&self) -> Result<CommandResults> {
-        let mut outcomes = Vec::new();
-        for step in &self.steps {
-            let mut command = Command::new(&self.program);
-            command.args(self.spelled(step)?.split(' ')).args(step.arguments.iter().map(|text| self.filled(text)));
-            outcomes.push((step.name.clone(), self.outcome(command.arg("--json"), step.table())?));
-        }
-        Ok(outcomes)
+    let is_dated = |path: &PathBuf| path.extension().is_some_and(|own| DATED.iter().any(|dated| own == *dated));
+    for path in files(&folder)?.into_iter().filter(|path| !is_dated(path)) {
+        let content = std::fs::read(&path).with_context(|| format!("{} cannot be read", path.display()))?;
+        let path = path.strip_prefix(&folder).unwrap_or(&path).display().to_string();
+        results.insert(format!("file {path}"), CommandResult::of_file(&path, &content));
     }
+    Ok(results)
+}
 
-    /// A subcommand as this build calls it.
-    fn spelled<'a>(&self, step: &'a AnalysisStep) -> Result<&'a str> {
-        let Some(older) = &step.older_command else { return Ok(&step.command) };
-        let mut help = Command::new(&self.program);
-        help.args(step.command.split(' ')).arg("--help").stdout(Stdio::null()).stderr(Stdio::null());
-        let is_known = help.status().context("anemo cannot be started")?.success();
-        Ok(if is_known { &step.command } else { older })
+/// Words of a command; what there is in this tree is taken from there.
+fn words(line: &str) -> Vec<String> {
+    let quoted = |(index, text): (usize, &str)| match index % 2 {
+        0 => text.split_whitespace().map(str::to_owned).collect(),
+        _ => vec![text.to_owned()],
+    };
+    let found = |word: String| {
+        let path = shell::root().join(&word);
+        if word.contains('/') && path.exists() { path.display().to_string() } else { word }
+    };
+    line.split('"').enumerate().flat_map(quoted).map(found).collect()
+}
+
+fn files(folder: &Path) -> Result<Vec<PathBuf>> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder)? {
+        let path = entry?.path();
+        if path.is_dir() { found.extend(files(&path)?) } else { found.push(path) }
     }
+    Ok(found)
+}
 
-    fn filled(&self, argument: &str) -> String {
-        let text = |folder: &Path| folder.to_string_lossy().into_owned();
-        argument
-            .replace("{experiments}", &text(&self.experiments))
-            .replace("{recordings}", &text(&self.recordings))
-            .replace("{fixtures}", &text(&shell::root().join("tests/fixtures")))
-            .replace("{work}", &text(&self.work))
-    }
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-    /// Runs a command to its end. `table` is a file that it writes.
-    fn outcome(&self, command: &mut Command, table: Option<&String>) -> Result<CommandResult> {
-        let output = command.stdin(Stdio::null()).output().context("anemo cannot be started")?;
-        let mut values = compare::values(&String::from_utf8_lossy(&output.stdout));
-        if let Some(table) = table {
-            // Where none is written, the other one's cells are missing.
-            values.extend(compare::cells(&std::fs::read_to_string(self.filled(table)).unwrap_or_default()));
-        }
-        let errors = String::from_utf8_lossy(&output.stderr).into();
-        Ok(CommandResult { exit_code: output.status.code(), values, errors })
+    #[test]
+    fn recordings_are_of_experiments_and_paths_are_those_of_the_tree() {
+        let lines = lines(true).expect("all recordings are known");
+        let recorded = "anemo run experiments/prbs.toml --on sim --json -o recordings/prbs.parquet";
+        assert!(lines.iter().any(|line| line == recorded));
+        let words = words("anemo export x.json --class \"2 m/s\" heads/rems.toml");
+        assert_eq!(words[..5], ["anemo", "export", "x.json", "--class", "2 m/s"]);
+        assert!(Path::new(&words[5]).is_absolute());
     }
 }

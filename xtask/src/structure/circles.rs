@@ -24,7 +24,7 @@ pub fn find(files: &[ParsedFile]) -> Vec<String> {
 /// Whether a file is the root of a library or of a binary.
 fn is_root(path: &str) -> bool {
     let parts: Vec<&str> = path.split('/').collect();
-    matches!(parts[..], [_, "src", "lib.rs" | "main.rs"] | [_, "src", "bin", _])
+    matches!(parts[..], [.., "src", "lib.rs" | "main.rs"] | [.., "src", "bin", _])
 }
 
 fn add_ties(tree: &ModuleTree, ties: &mut FileTies) {

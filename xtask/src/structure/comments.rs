@@ -45,7 +45,13 @@ mod tests {
         assert!(!is_too_long(&format!("//! see https://example.org/{rest}")));
         assert!(is_too_long(&format!("// | {rest} |")));
         let text = format!("fn f() {{}}\n// {rest}\n");
-        let file = RustFile { path: "a/src/lib.rs".into(), text, in_tests: vec![true; 2] };
+        let file = RustFile {
+            path: "a/src/lib.rs".into(),
+            crate_folder: "a".into(),
+            text,
+            in_tests: Vec::new(),
+            kinds: Vec::new(),
+        };
         assert_eq!(find(&[file]), ["a/src/lib.rs:2: 103 columns, 100 are allowed: wrap it"]);
     }
 }

@@ -18,7 +18,7 @@ use anyhow::{Result, bail};
 use parsed::ParsedFile;
 
 pub fn run() -> Result<()> {
-    let files = sources::rust_files()?;
+    let files = sources::rust_files(&shell::root())?;
     let parsed = files.iter().filter(|file| file.is_in_a_crate()).map(ParsedFile::parse).collect::<Result<Vec<_>>>()?;
     let mut faults = 0;
     let mut report = |what: &str, found: Vec<String>| {

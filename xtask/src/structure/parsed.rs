@@ -13,7 +13,7 @@ pub struct ParsedFile {
 impl ParsedFile {
     pub fn parse(file: &RustFile) -> Result<ParsedFile> {
         let syntax =
-            syn::parse_file(&file.without_tests()?).with_context(|| format!("{} cannot be parsed", file.path))?;
+            syn::parse_file(&file.without_tests()).with_context(|| format!("{} cannot be parsed", file.path))?;
         Ok(ParsedFile { path: file.path.clone(), syntax })
     }
 }
