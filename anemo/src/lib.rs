@@ -80,9 +80,9 @@ const MOST_COLUMNS: usize = 80;
     arg_required_else_help = true,
     max_term_width = MOST_COLUMNS,
     after_help = "\
-First steps:
+Examples:
   anemo run experiments/gusts.toml --on sim -o gusts.parquet --plot gusts.svg
-  anemo identify heater.csv --output temperature_c -o heater.json
+  anemo identify heater.csv --output temperature -o heater.json
   anemo wind winds.parquet --head head.toml --plot winds.svg
 
 `anemo COMMAND --help` has options and examples of each command."

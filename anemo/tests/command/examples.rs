@@ -106,9 +106,10 @@ fn helps() -> BTreeMap<String, String> {
     let (mut all, mut open) = (BTreeMap::new(), vec![String::new()]);
     while let Some(command) = open.pop() {
         let help = shell(Path::new("."), &format!("anemo {command} --help")).unwrap();
-        let listed = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
-        for name in listed.filter_map(|line| line.strip_prefix("  ")?.split(' ').next()) {
-            if !name.is_empty() && name != "help" {
+        // Headings of groups and "Commands:" come before the options.
+        let listed = help.lines().take_while(|line| *line != "Options:").filter_map(|line| line.strip_prefix("  "));
+        for name in listed.filter_map(|line| line.split(' ').next()) {
+            if name.starts_with(|first: char| first.is_ascii_lowercase()) && name != "help" {
                 open.push(format!("{command} {name}").trim().to_owned());
             }
         }
