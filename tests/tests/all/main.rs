@@ -13,7 +13,6 @@ mod faults;
 mod figures;
 mod format1;
 mod fuzz;
-mod host_and_board;
 mod identification;
 mod identify_cole_cole;
 mod identify_measured;
