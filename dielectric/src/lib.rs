@@ -8,7 +8,6 @@
 
 pub mod device;
 pub mod experiment;
-#[cfg(feature = "scpi")]
 pub mod meter;
 pub mod port;
 pub mod predict;

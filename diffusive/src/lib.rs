@@ -37,7 +37,8 @@
 //! | [`design`] | levels, sample period and set-point of a loop from requirements |
 //! | [`optimise`] | the damped descent behind every search |
 //!
-//! Feature `testing`: small models for the tests of other crates ([`model::testing`](model)).
+//! Feature `testing`: small models ([`model::testing`](model)) and measured records
+//! (`shared_data`) for the tests of other crates.
 
 #[macro_use]
 mod macros;
@@ -47,3 +48,5 @@ pub mod identify;
 pub mod model;
 pub mod optimise;
 pub mod predict;
+#[cfg(any(test, feature = "testing"))]
+pub mod shared_data;

@@ -55,7 +55,7 @@
 //! **Tests.** `tests/rules.rs` breaks every rule once, register by register; `tests/exceptions.rs`
 //! runs handlers inside each other; `tests/scenarios` has the image: boot, ticks, closed loop,
 //! every cause of the guard, crashes in each task, settings, supply, self-test, the line, random
-//! lives, flipped bits, ten minutes of a run (`cargo xtask campaign` for more of the last three).
+//! lives, flipped bits, a minute of a run (`cargo xtask campaign` for more of the last three).
 //! `equal_bits` hands the readings that the board has taken to a controller in this process, and
 //! `against_qemu` runs images of the virtual board here and in QEMU: both are equal to the bit.
 //!

@@ -1,6 +1,6 @@
 //! Tests that run longer than continuous integration has time for, as long as one likes.
 
-use crate::artefacts::{self, FirmwareBoard};
+use crate::programs::{TestPrograms, Tier};
 use crate::shell;
 use anyhow::Result;
 
@@ -9,12 +9,18 @@ use anyhow::Result;
 pub struct CampaignOptions {
     /// What is tried.
     what: CampaignKind,
-    /// How often, or for how many simulated seconds.
-    count: u64,
+    /// How often, or for how many simulated seconds; without it, as `nightly` does.
+    count: Option<u64>,
+}
+
+impl CampaignOptions {
+    pub const fn nightly(what: CampaignKind) -> Self {
+        Self { what, count: None }
+    }
 }
 
 #[derive(Clone, Copy, clap::ValueEnum)]
-enum CampaignKind {
+pub enum CampaignKind {
     /// Ways in which runs and logs end: kill, SIGTERM, a cable out, a board that starts anew, a
     /// full disk.
     Endings,
@@ -31,31 +37,23 @@ enum CampaignKind {
 }
 
 impl CampaignKind {
-    /// The test binary, the tests in it, and what tells them how many.
-    const fn test(self) -> [&'static str; 3] {
+    /// The test program, the tests in it, what tells them how many, and how many at night.
+    const fn test(self) -> ([&'static str; 3], u64) {
         match self {
-            Self::Endings => ["all", "endings::", "ANEMO_ENDINGS"],
-            Self::PowerCuts => ["all", "power_cuts::", "ANEMO_POWER_CUTS"],
-            Self::Log => ["all", "long_log::", "ANEMO_LOG_S"],
-            Self::Lives => ["scenarios", "lives::", "ANEMO_LIVES"],
-            Self::Flips => ["scenarios", "upsets::", "ANEMO_FLIPS"],
-            Self::Soak => ["scenarios", "soak::", "ANEMO_SOAK_S"],
+            Self::Endings => (["all", "endings::", "ANEMO_ENDINGS"], 2_000),
+            Self::PowerCuts => (["all", "power_cuts::", "ANEMO_POWER_CUTS"], 5_000),
+            Self::Log => (["all", "long_log::", "ANEMO_LOG_S"], 86_400),
+            Self::Lives => (["scenarios", "lives::", "ANEMO_LIVES"], 2_000),
+            Self::Flips => (["scenarios", "upsets::", "ANEMO_FLIPS"], 600),
+            Self::Soak => (["scenarios", "soak::", "ANEMO_SOAK_S"], 10_800),
         }
     }
 }
 
 /// Runs one, and prints what it has counted.
 pub fn run(options: &CampaignOptions) -> Result<()> {
-    let [binary, tests, variable] = options.what.test();
-    let cargo = |arguments: &[&str]| {
-        let mut cargo = shell::cargo_of_all("test");
-        cargo.args(arguments);
-        cargo
-    };
-    let anemo = artefacts::executable(&mut cargo(&["--lib", "--bins", "--tests", "--no-run"]), "anemo")?;
-    let mut test = cargo(&["--test", binary, "--", tests, "--nocapture"]);
-    test.env("ANEMO_BIN", anemo).env(variable, options.count.to_string());
-    test.env("ANEMO_FIRMWARE", artefacts::firmware(FirmwareBoard::Virtual)?);
-    test.env("ANEMO_SENSOR_FIRMWARE", artefacts::firmware(FirmwareBoard::Sensor)?);
-    shell::run(&mut test)
+    let ([program, tests, variable], at_night) = options.what.test();
+    let programs = TestPrograms::build(Tier::Ci)?;
+    let mut test = programs.command(&["--test", program, "--", tests, "--nocapture", "--include-ignored"]);
+    shell::run(test.env(variable, options.count.unwrap_or(at_night).to_string()))
 }

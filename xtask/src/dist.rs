@@ -5,6 +5,7 @@
 //! Nothing of it is C code, so that the target takes no C compiler but the system's linker.
 
 use crate::artefacts::{self, FirmwareBoard};
+use crate::stages::Stages;
 use crate::{install, shell};
 use anyhow::{Context, Result, bail};
 use flate2::{Compression, GzBuilder, read::GzDecoder};
@@ -40,7 +41,7 @@ pub fn run() -> Result<()> {
         },
         |()| STATIC,
     );
-    let mut stages = shell::Stages::default();
+    let mut stages = Stages::new();
     let name = format!("anemo-{}-{}", env!("CARGO_PKG_VERSION"), triple.replace("-unknown", ""));
     let dist = shell::target_directory()?.join("dist");
     let folder = dist.join(&name);

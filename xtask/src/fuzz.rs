@@ -26,6 +26,13 @@ pub struct FuzzOptions {
     minutes: f64,
 }
 
+impl FuzzOptions {
+    /// All targets, for so long each.
+    pub const fn of(minutes: f64) -> Self {
+        Self { target: None, minutes }
+    }
+}
+
 pub fn run(options: &FuzzOptions) -> Result<()> {
     let all = targets()?;
     let chosen: Vec<&String> =

@@ -1,11 +1,10 @@
-//! Everything that is checked by reading: links, structure, lines, licences, format, clippy on both
+//! Everything that is checked by reading: links, structure, lines, format, clippy on both
 //! sides, documentation.
 
 use crate::artefacts::{FirmwareBoard, LINKER_VARIABLE};
-use crate::deny::{self, DenyOptions};
 use crate::install::{self, TARGET};
 use crate::lines::{self, LinesOptions};
-use crate::{limits, links, shell, structure};
+use crate::{features, limits, links, shell, structure};
 use anyhow::{Context, Result};
 
 pub fn run() -> Result<()> {
@@ -19,8 +18,8 @@ pub fn run() -> Result<()> {
     structure::run()?;
     shell::announce("lines of code, words of pages");
     lines::run(&LinesOptions::default())?;
-    shell::announce("licences and sources of dependencies");
-    deny::run(&DenyOptions::default())?;
+    shell::announce("features of packages that several builds share");
+    features::run()?;
     shell::announce("format");
     shell::run(shell::cargo().args(["fmt", "--all", "--check"])).context("files are not formatted; type: cargo fmt")?;
     shell::announce("clippy, host");

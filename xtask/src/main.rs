@@ -13,6 +13,7 @@ mod demo;
 mod deny;
 mod dist;
 mod emulator;
+mod features;
 mod flash;
 mod fuzz;
 mod hardware;
@@ -24,8 +25,10 @@ mod lint;
 mod markdown;
 mod miri;
 mod mutants;
+mod nightly;
 mod overflow;
 mod pages;
+mod programs;
 mod python;
 mod reference;
 mod safety;
@@ -34,6 +37,7 @@ mod seeded;
 mod shell;
 mod size;
 mod sources;
+mod stages;
 mod stated;
 mod structure;
 mod test;
@@ -52,8 +56,8 @@ enum Job {
     /// Fly the simulated sphere through gusts with the real firmware on an emulated board, and plot
     /// it
     Demo,
-    /// Check everything that can be checked by running it: size, cost, doc tests, unit tests, whole
-    /// experiments
+    /// Run unit tests, examples in the documentation, tests of the command and closed loops on the
+    /// emulated board, and check size, panics and stack of the firmware
     Test,
     /// Run every command that README.md, CONTRIBUTING.md and docs show, and compare what it prints
     /// with what they show
@@ -65,9 +69,11 @@ enum Job {
     /// Refuse dependencies by their licences and sources, and by advisories where a database is
     /// given
     Deny(deny::DenyOptions),
-    /// Do what continuous integration does: install what is missing, lint, count lines that tests
-    /// run, test, and interpret beside it
+    /// Do what continuous integration does: install what is missing, lint, book, pages, Python,
+    /// faults and scenarios, and all of `test`
     Ci,
+    /// Do what takes longer, in stages of at most an hour; passed ones are not repeated
+    Nightly(nightly::NightlyOptions),
     /// Check the shape of the code: circles of imports, names of types, errors, dependencies, width
     /// of comments
     Structure,
@@ -121,12 +127,13 @@ enum Job {
 fn main() -> ExitCode {
     let outcome = match Job::parse() {
         Job::Demo => demo::run(),
-        Job::Test => test::run(Job::command()),
+        Job::Test => test::run(),
         Job::Pages(options) => pages::run(&options, Job::command(), None),
         Job::Book(options) => book::run(&options),
         Job::Lint => lint::run(),
         Job::Deny(options) => deny::run(&options),
         Job::Ci => ci::run(Job::command()),
+        Job::Nightly(options) => nightly::run(&options),
         Job::Structure => structure::run(),
         Job::Lines(options) => lines::run(&options),
         Job::SameResults(options) => same_results::run(&options),

@@ -19,6 +19,13 @@ pub struct MutantsOptions {
     list: bool,
 }
 
+impl MutantsOptions {
+    /// A part of all.
+    pub fn of(shard: &str) -> Self {
+        Self { shard: Some(shard.to_owned()), list: false }
+    }
+}
+
 pub fn run(options: &MutantsOptions) -> Result<()> {
     let mut mutants = shell::program(install::tool(&install::CARGO_MUTANTS)?);
     // Built in its copy of the workspace, and a little of it again for each mutant.

@@ -20,6 +20,9 @@ pub struct PythonOptions {
     /// Also run the gallery, with the libraries that it compares with in their own environment
     #[arg(long)]
     pub gallery: bool,
+    /// Only run the tests that are marked `nightly`
+    #[arg(long)]
+    pub nightly: bool,
     /// Install the wheel into an empty environment and print its size, what it needs of the system,
     /// and how long import and a first model take
     #[arg(long)]
@@ -34,6 +37,9 @@ pub fn run(options: &PythonOptions) -> Result<()> {
     if options.no_test {
         return Ok(());
     }
+    if options.nightly {
+        return pytest(&programs, &["python", "-m", "nightly"]);
+    }
     pytest(&programs, &["python", "--ignore", GALLERY])?;
     if options.gallery {
         let programs = gallery()?;
@@ -43,10 +49,9 @@ pub fn run(options: &PythonOptions) -> Result<()> {
     Ok(())
 }
 
-/// Brings what the pages, the tests and the gallery use.
+/// Brings what the pages and the tests use.
 pub fn prepare() -> Result<()> {
-    install::python()?;
-    gallery().map(drop)
+    install::python().map(drop)
 }
 
 fn gallery() -> Result<PathBuf> {

@@ -5,7 +5,6 @@ use std::ffi::OsStr;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::process::{ChildStdout, Command, ExitStatus, Stdio};
-use std::time::{Duration, Instant};
 
 /// The workspace's root directory, where every program is started.
 pub fn root() -> PathBuf {
@@ -81,6 +80,16 @@ pub fn run_through(command: &mut Command, reader: impl FnOnce(BufReader<ChildStd
     judge(command, child.wait()?)
 }
 
+/// Does two things at once: one waits for the network or for a linker while the other computes.
+pub fn both<A: Send, B>(aside: impl FnOnce() -> Result<A> + Send, work: impl FnOnce() -> Result<B>) -> Result<(A, B)> {
+    std::thread::scope(|scope| {
+        let aside = scope.spawn(aside);
+        let done = work();
+        let aside = aside.join().unwrap_or_else(|_| bail!("a thread of this program has ended early"));
+        Ok((aside?, done?))
+    })
+}
+
 fn no_start(command: &Command) -> String {
     format!("`{}` cannot be started", line(command))
 }
@@ -111,27 +120,6 @@ fn line(command: &Command) -> String {
     std::iter::once(program).chain(command.get_args()).map(|word| word.to_string_lossy()).collect::<Vec<_>>().join(" ")
 }
 
-/// Stages of a job, one after the other, and how long each has taken.
-#[derive(Default)]
-pub struct Stages(Vec<(&'static str, Duration)>);
-
-impl Stages {
-    /// Announces a stage and does it.
-    pub fn run<T>(&mut self, what: &'static str, work: impl FnOnce() -> Result<T>) -> Result<T> {
-        announce(what);
-        let start = Instant::now();
-        let done = work();
-        self.0.push((what, start.elapsed()));
-        done
-    }
-
-    /// All times in a line.
-    pub fn times(&self) -> String {
-        let stages: Vec<_> = self.0.iter().map(|(what, time)| format!("{what} {:.0} s", time.as_secs_f64())).collect();
-        stages.join(", ")
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -140,12 +128,6 @@ mod tests {
     fn a_failing_program_is_named_with_its_arguments() {
         let error = run(Command::new("/nonexistent/probe-rs").arg("list")).expect_err("there is no such program");
         assert!(format!("{error:#}").starts_with("`probe-rs list` cannot be started"), "{error:#}");
-    }
-
-    #[test]
-    fn times_are_of_every_stage() {
-        let stages = Stages(vec![("size", Duration::from_secs(3)), ("unit tests", Duration::from_millis(1600))]);
-        assert_eq!(stages.times(), "size 3 s, unit tests 2 s");
     }
 
     #[test]

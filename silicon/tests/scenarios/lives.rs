@@ -26,7 +26,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use wire::{Setting, SettingsRequest, ToBoard};
 
 /// Lives of a test; `ANEMO_LIVES` asks for others, `ANEMO_LIFE` for this one alone.
-const LIVES: u64 = 200;
+const LIVES: u64 = 50;
 const DEEDS: usize = 16;
 
 /// What is no fault of the firmware.

@@ -8,7 +8,7 @@ use silicon::complaint::BrokenRule;
 use silicon::time::{ms, us};
 use std::ops::Range;
 
-const FLIPS: u64 = 60;
+const FLIPS: u64 = 20;
 const RAM_END: u32 = 0x2002_0000;
 /// What of the stack may be in use at any moment.
 const STACK_BYTES: u32 = 2_048;

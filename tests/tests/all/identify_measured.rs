@@ -8,11 +8,11 @@
 
 use std::path::{Path, PathBuf};
 
-use anemo_tests::file;
 use diffusive::identify::record::{RecordStream, Selection};
 use diffusive::identify::validate::{ValidationStart, validate};
 use diffusive::identify::{Constraints, DriftGiven, IdentifyOptions, InitialState, Signs, identify};
 use diffusive::model::Model;
+use diffusive::shared_data::shared_data;
 use dr_core::model::mesh;
 use studies::benchmark::measured::{cut, measured, tables};
 
@@ -28,11 +28,7 @@ const RECORDS: [(&str, f64); 5] = [
 
 /// Both halves of a record as files in `folder`; `None` without the record.
 fn halves(name: &str, folder: &Path) -> Option<[PathBuf; 2]> {
-    let path = file("../shared/data").join(format!("{name}.csv"));
-    if !path.exists() {
-        println!("{} is not there: nothing tested", path.display());
-        return None;
-    }
+    let path = shared_data(&format!("{name}.csv"))?;
     Some(cut(&path, 0.5, folder).unwrap())
 }
 
@@ -77,10 +73,8 @@ fn plain(path: &Path) -> Model {
 /// identified.
 #[test]
 fn beginnings_of_measured_records_predict_the_rest() {
-    let Ok(mut tables) = tables(&file("../shared/data/more")) else {
-        println!("no more records are there: nothing tested");
-        return;
-    };
+    let Some(folder) = shared_data("more") else { return };
+    let mut tables = tables(&folder).unwrap();
     // Set apart, as it is in what is known of the others.
     tables.retain(|path| !path.ends_with("sbhs_1622.csv"));
     let report = measured(&tables, &|_| {}).unwrap();

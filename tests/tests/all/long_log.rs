@@ -10,8 +10,8 @@ use std::net::TcpStream;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Half an hour, if nobody asks for another time.
-const SECONDS: u64 = 1_800;
+/// If nobody asks for another time.
+const SECONDS: u64 = 720;
 const RATE_HZ: u64 = 1_000;
 const MOST_MIB: f64 = 100.0;
 /// The last quarter of a long run may need so much more than the second, MiB. In a short one the

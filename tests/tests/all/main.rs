@@ -12,7 +12,6 @@ mod endings;
 mod faults;
 mod figures;
 mod fuzz;
-mod host_and_board;
 mod identification;
 mod identify_cole_cole;
 mod identify_measured;

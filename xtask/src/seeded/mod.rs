@@ -24,7 +24,7 @@ use std::time::{Duration, Instant};
 /// What takes longer hangs, which counts as a failure.
 const LONGEST_SCENARIO: Duration = Duration::from_secs(300);
 
-#[derive(clap::Args)]
+#[derive(clap::Args, Default)]
 pub struct SeededOptions {
     /// Only those whose name contains this
     name: Option<String>,
@@ -40,6 +40,13 @@ pub struct SeededOptions {
     /// Chooses the mutants of a sample
     #[arg(long, default_value_t = 1, requires = "sample")]
     seed: u64,
+}
+
+impl SeededOptions {
+    /// A sample of the mutants.
+    pub fn sample(count: usize, seed: u64) -> Self {
+        Self { mutants: true, sample: Some(count), seed, ..Self::default() }
+    }
 }
 
 pub fn run(options: &SeededOptions) -> Result<()> {

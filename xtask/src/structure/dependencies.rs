@@ -24,7 +24,7 @@ const CRATES: [(&str, &[&str]); 17] = [
     ("dielectric", &["nix", "parquet", "serialport"]),
     ("anemo", &["clap", "nix", "parquet", "serialport"]),
     ("anemo-python", &["clap", "nix", "parquet", "serialport"]),
-    ("studies", &["clap", "parquet"]),
+    ("studies", &["clap", "nix", "parquet", "serialport"]),
     ("anemo-tests", &["clap", "nix", "parquet", "serialport"]),
     ("xtask", &["clap"]),
     ("image-analysis", &[]),

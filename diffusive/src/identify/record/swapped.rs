@@ -124,14 +124,10 @@ mod tests {
     #[test]
     fn measured_records_are_in_the_order_that_they_are_given_in() {
         use super::super::{RecordSource as _, RecordStream, Selection};
-        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
         let (mut all, mut found) = (0, 0);
-        for folder in [folder.clone(), folder.join("more")] {
-            let Ok(files) = std::fs::read_dir(&folder) else {
-                println!("skipped: {} is absent", folder.display());
-                continue;
-            };
-            for file in files.map(|file| file.unwrap().path()) {
+        for name in ["", "more"] {
+            let Some(folder) = crate::shared_data::shared_data(name) else { return };
+            for file in std::fs::read_dir(folder).unwrap().map(|file| file.unwrap().path()) {
                 let of = |selection: &Selection| {
                     let stream = RecordStream::open(&file, selection).ok()?;
                     let notes = stream.survey().notes.iter().any(|note| note.ends_with("swapped?"));

@@ -8,6 +8,7 @@ mod segments;
 use std::path::PathBuf;
 
 use super::*;
+use crate::shared_data::shared_data;
 use recording::{Metadata, RecordingLayout, RecordingRow, RecordingWriter};
 
 /// A file that is gone with its folder at the end of a test.
@@ -320,18 +321,13 @@ fn rows_are_counted_where_rounded_times_leave_them_in_doubt() {
 
 #[test]
 fn the_measured_records_are_read_with_their_periods() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
     for (name, period_s, rows) in [
         ("unthermal_prbs", 0.8, 1575),
         ("heating_system", 2.0, 801),
         ("dryer", 0.08, 1000),
         ("tclab_apm_mimo_T1", 1.0, 599),
     ] {
-        let path = folder.join(format!("{name}.csv"));
-        if !path.exists() {
-            println!("skipped: {} is absent", path.display());
-            continue;
-        }
+        let Some(path) = shared_data(&format!("{name}.csv")) else { return };
         let (survey, block, _) = read_all(&path, &Selection::default()).unwrap();
         assert!((survey.sample_period_s - period_s).abs() < 1e-9, "{name}: {}", survey.sample_period_s);
         assert_eq!((survey.rows, block.len()), (rows, rows as usize), "{name}");
