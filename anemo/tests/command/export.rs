@@ -1,4 +1,4 @@
-//! `anemo export` and `anemo reduce` from outside: files, defaults, sentences.
+//! `anemo model export` and `anemo model reduce` from outside: files, defaults, sentences.
 
 use std::path::Path;
 

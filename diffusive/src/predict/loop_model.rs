@@ -161,7 +161,7 @@ fn in_wind(structure: &SlidingSurface, conductance_w_per_k: f64) -> Result<Slidi
         .unzip();
     if eta.iter().any(|eta| *eta < 0.0) {
         return Err(model_error!(
-            "is a wind on resistances of both signs, whose poles need not be real: analyse the reference, make a smaller model (`anemo reduce --order 3`), of which resistances come out of one sign sooner, or identify with --non-negative all"
+            "is a wind on resistances of both signs, whose poles need not be real: analyse the reference, make a smaller model (`anemo model reduce --order 3`), of which resistances come out of one sign sooner, or identify with --non-negative all"
         ));
     }
     let loop_gain = conductance_w_per_k * structure.steady_gain_k_per_w;

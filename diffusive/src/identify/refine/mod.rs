@@ -57,7 +57,7 @@ pub fn refuse(survey: &Survey, poles: usize, options: &IdentifyOptions) -> Resul
     )?;
     survey.refuse_if(
         options.structure == Some(Structure::Conductance),
-        "free poles are for structure `symbol`; `anemo reduce` makes any model smaller",
+        "free poles are for structure `symbol`; `anemo model reduce` makes any model smaller",
     )?;
     survey.refuse_if(
         options.cross.is_some(),

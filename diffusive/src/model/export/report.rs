@@ -1,4 +1,4 @@
-//! A model in one of the forms that others use, as `anemo export` writes it.
+//! A model in one of the forms that others use, as `anemo model export` writes it.
 
 use std::borrow::Cow;
 use std::fmt::{self, Display, Formatter};
@@ -31,7 +31,7 @@ pub enum ExportForm {
     Source(Language),
 }
 
-/// An exported pair. It prints as the file that it is, and serialises to the keys of `anemo export
+/// An exported pair. It prints as the file that it is, and serialises to the keys of `anemo model export
 /// --json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ExportReport {

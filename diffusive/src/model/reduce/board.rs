@@ -19,7 +19,7 @@ pub fn padded(rates_rad_s: &[f64], r_k_per_w: &[f64]) -> Result<([f32; ORDER], [
     refuse_if!(
         has == 0 || has > ORDER,
         model_error!(
-            "the board's models have 1 to {ORDER} rates, and this one has {has}: `anemo reduce --order {ORDER}` makes one"
+            "the board's models have 1 to {ORDER} rates, and this one has {has}: `anemo model reduce --order {ORDER}` makes one"
         )
     );
     let (mut rates, mut r) = ([0.0_f32; ORDER], [0.0_f32; ORDER]);

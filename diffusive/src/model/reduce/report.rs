@@ -1,4 +1,4 @@
-//! A smaller model as a report: the text and the keys of `anemo reduce`.
+//! A smaller model as a report: the text and the keys of `anemo model reduce`.
 
 use std::fmt::{self, Display, Formatter};
 
@@ -9,7 +9,7 @@ use crate::model::content::{Class, Model, Pair};
 use crate::model::error::ModelError;
 
 /// What a reduction made and what it loses. It prints as a summary, and serialises to the keys of
-/// `anemo reduce --json`.
+/// `anemo model reduce --json`.
 #[derive(Debug, Serialize)]
 pub struct ReductionReport<'a> {
     /// Poles a pair that were requested.
