@@ -153,7 +153,9 @@ fn fingerprint(settings: &BTreeMap<KeyNumber, Setting>) -> Result<Setting, Setti
         elements += 1;
     }
     if elements == 0 {
-        return Err(SettingsError("fingerprint: no head is kept: `anemo board settings set --head FILE` first".to_owned()));
+        return Err(SettingsError(
+            "fingerprint: no head is kept: `anemo board settings set --head FILE` first".to_owned(),
+        ));
     }
     Ok(Setting::Command(Command::Fingerprint { resistance_ohm }))
 }
