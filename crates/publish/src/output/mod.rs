@@ -4,7 +4,6 @@
 //! again, and a new attempt after a second, later after up to half a minute. What it missed in
 //! between is in the recording.
 
-mod carrier;
 mod context;
 mod mqtt;
 mod scpi;

@@ -3,8 +3,8 @@
 //! `mqttbytes` has the packets; the connection is one blocking stream, since there is nothing to
 //! wait for beside it. A client with a runtime of its own would bring 28 packages for that.
 
-use super::carrier::{TIMEOUT, resolved};
 use super::context::{BrokerStream, Output, PublishError};
+use super::text::{TIMEOUT, resolved};
 use crate::feed::{FeedEvent, FeedLayout, FeedRow};
 use crate::format::FeedColumns;
 use crate::format::home_assistant::{self, MqttTopics};

@@ -1,8 +1,8 @@
 //! SCPI by TCP: a thread a connection, since the answer to a command may take seconds.
 
-use super::carrier;
 use super::context::{Output, PublishContext, PublishError};
 use super::scpi_session::{ScpiInstrument, ScpiLatest, ScpiSession};
+use super::text;
 use crate::feed::{FeedLayout, FeedRow};
 use crate::listen::Listener;
 use crate::target::{PublishTarget, PublishWay};
@@ -34,7 +34,7 @@ pub(super) fn open(
     let PublishWay::Listener(at) = &target.way else {
         return Err(PublishError::Refused("SCPI needs a listener".to_owned()));
     };
-    let listener = context.listening.bind(carrier::resolved(at)?)?;
+    let listener = context.listening.bind(text::resolved(at)?)?;
     let instrument = Arc::new(ScpiInstrument {
         layout: layout.clone(),
         latest: Mutex::new(ScpiLatest::default()),
@@ -77,7 +77,7 @@ impl Output for ScpiOutput {
 fn serve(mut stream: TcpStream, instrument: &Weak<ScpiInstrument>) -> io::Result<()> {
     stream.set_nodelay(true)?;
     stream.set_read_timeout(Some(WAIT))?;
-    stream.set_write_timeout(Some(carrier::TIMEOUT))?;
+    stream.set_write_timeout(Some(text::TIMEOUT))?;
     let (mut session, mut reader, mut line) = (ScpiSession::default(), BufReader::new(stream.try_clone()?), Vec::new());
     loop {
         let room = LONGEST_LINE.saturating_sub(line.len() as u64);

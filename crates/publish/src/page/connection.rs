@@ -7,11 +7,11 @@ use std::time::{Duration, Instant};
 
 use serde_json::json;
 
+use super::assets;
 use super::http::{PageRequest, answer, answer_events};
-use super::message::{LayoutMessage, RowsMessage, SpectrumMessage, event};
+use super::message::{LayoutMessage, RowsMessage, SpectrumMessage, command, event};
 use super::spectrum::welch;
 use super::state::{PageState, WINDOWS_S, lock};
-use super::{assets, request};
 use crate::commands::{CommandRefusal, FeedCommands};
 use crate::listen::{Token, check_http};
 
@@ -71,7 +71,7 @@ impl Served {
         if !asked.header("content-type").is_some_and(|kind| kind.starts_with("application/json")) {
             return Err(refuse("a command is JSON"));
         }
-        let (command, done) = request::command(&asked.body)?;
+        let (command, done) = command(&asked.body)?;
         commands.ask(command, TIMEOUT)?;
         Ok(done)
     }

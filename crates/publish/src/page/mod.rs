@@ -19,7 +19,6 @@ mod channels;
 mod connection;
 mod http;
 mod message;
-mod request;
 mod spectrum;
 mod state;
 mod window;
