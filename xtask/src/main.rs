@@ -68,13 +68,12 @@ enum Job {
     /// Do what continuous integration does: install what is missing, lint, count lines that tests
     /// run, test, and interpret beside it
     Ci,
-    /// Check the shape of the code: circles of imports, names of types, errors, dependencies, width
-    /// of comments
+    /// Refuse circles of imports between the files of a crate
     Structure,
     /// Count lines of code of every crate, of its tests and examples, and the words of all pages
     Lines(lines::LinesOptions),
-    /// Run all experiments and a chain of analyses by an older command `anemo` and by this one, and
-    /// compare the results to the bit
+    /// Run all experiments and a chain of commands by an older `anemo` and by this one, and compare
+    /// results and files to the bit; or images of the firmware
     SameResults(same_results::SameResultsOptions),
     /// Write the pages of the command-line reference, or check them
     Reference(reference::ReferenceOptions),
