@@ -1,11 +1,11 @@
-//! Everything that is checked by reading: links, structure, lines, licences, format, clippy on both
-//! sides, documentation.
+//! Everything that is checked by reading: links, lines, licences, format, clippy on both sides,
+//! documentation.
 
 use crate::artefacts::{FirmwareBoard, LINKER_VARIABLE};
 use crate::deny::{self, DenyOptions};
 use crate::install::{self, TARGET};
 use crate::lines::{self, LinesOptions};
-use crate::{limits, links, shell, structure};
+use crate::{limits, links, shell};
 use anyhow::{Context, Result};
 
 pub fn run() -> Result<()> {
@@ -16,7 +16,6 @@ pub fn run() -> Result<()> {
     links::run()?;
     shell::announce("length of pages, and whether the book lists them");
     limits::run()?;
-    structure::run()?;
     shell::announce("lines of code, words of pages");
     lines::run(&LinesOptions::default())?;
     shell::announce("licences and sources of dependencies");

@@ -35,7 +35,6 @@ mod shell;
 mod size;
 mod sources;
 mod stated;
-mod structure;
 mod test;
 
 use clap::{CommandFactory, Parser};
@@ -68,8 +67,6 @@ enum Job {
     /// Do what continuous integration does: install what is missing, lint, count lines that tests
     /// run, test, and interpret beside it
     Ci,
-    /// Refuse circles of imports between the files of a crate
-    Structure,
     /// Count lines of code of every crate, of its tests and examples, and the words of all pages
     Lines(lines::LinesOptions),
     /// Run all experiments and a chain of commands by an older `anemo` and by this one, and compare
@@ -122,7 +119,6 @@ fn main() -> ExitCode {
         Job::Lint => lint::run(),
         Job::Deny(options) => deny::run(&options),
         Job::Ci => ci::run(Job::command()),
-        Job::Structure => structure::run(),
         Job::Lines(options) => lines::run(&options),
         Job::SameResults(options) => same_results::run(&options),
         Job::Reference(options) => reference::run(&options),
