@@ -39,7 +39,6 @@ mod size;
 mod sources;
 mod stages;
 mod stated;
-mod structure;
 mod test;
 
 use clap::{CommandFactory, Parser};
@@ -74,13 +73,10 @@ enum Job {
     Ci,
     /// Do what takes longer, in stages of at most an hour; passed ones are not repeated
     Nightly(nightly::NightlyOptions),
-    /// Check the shape of the code: circles of imports, names of types, errors, dependencies, width
-    /// of comments
-    Structure,
     /// Count lines of code of every crate, of its tests and examples, and the words of all pages
     Lines(lines::LinesOptions),
-    /// Run all experiments and a chain of analyses by an older command `anemo` and by this one, and
-    /// compare the results to the bit
+    /// Run all experiments and a chain of commands by an older `anemo` and by this one, and compare
+    /// results and files to the bit; or images of the firmware
     SameResults(same_results::SameResultsOptions),
     /// Write the pages of the command-line reference, or check them
     Reference(reference::ReferenceOptions),
@@ -134,7 +130,6 @@ fn main() -> ExitCode {
         Job::Deny(options) => deny::run(&options),
         Job::Ci => ci::run(Job::command()),
         Job::Nightly(options) => nightly::run(&options),
-        Job::Structure => structure::run(),
         Job::Lines(options) => lines::run(&options),
         Job::SameResults(options) => same_results::run(&options),
         Job::Reference(options) => reference::run(&options),

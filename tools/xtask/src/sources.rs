@@ -38,19 +38,8 @@ impl RustFile {
         self.path.strip_prefix(&self.crate_folder).unwrap_or(&self.path).trim_start_matches('/')
     }
 
-    /// Whether it is the source of a library or a binary.
-    pub fn is_in_a_crate(&self) -> bool {
-        self.inner_path().starts_with("src/")
-    }
-
     pub fn is_example(&self) -> bool {
         self.inner_path().split_once('/').is_some_and(|(folder, _)| EXAMPLE_FOLDERS.contains(&folder))
-    }
-
-    /// Its text with all lines of tests left empty.
-    pub fn without_tests(&self) -> String {
-        let line = |(line, &is_test)| if is_test { String::from("\n") } else { format!("{line}\n") };
-        self.text.lines().zip(&self.in_tests).map(line).collect()
     }
 }
 
@@ -310,7 +299,6 @@ mod tests {
         let marks: Vec<bool> = files[1..].iter().map(|file| file.in_tests[0]).collect();
         assert_eq!(marks, [true, true, false, false, true, false, true, true, false]);
         assert_eq!(files.iter().filter(|file| file.is_example()).count(), 1);
-        assert!(files[0].is_in_a_crate() && !files[7].is_in_a_crate());
     }
 
     #[test]
