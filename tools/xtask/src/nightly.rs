@@ -207,8 +207,7 @@ fn has_passed(table: &str, stage: &str, commit: &str) -> bool {
 fn long_tests() -> Result<()> {
     let mut stages = Stages::new();
     let programs = stages.run("building the tests", || TestPrograms::build(Tier::Ci))?;
-    let mut all = programs.command(&["--lib", "--bins", "--tests", "--no-fail-fast"]);
-    let outcome = stages.test("long tests", &mut all, &["--ignored"]);
+    let outcome = stages.test("long tests", &mut programs.all(), &["--ignored"]);
     stages.finish();
     outcome
 }

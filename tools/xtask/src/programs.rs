@@ -12,7 +12,7 @@ use std::process::Command;
 
 /// Programs that only `ci` runs: what crosses crates, the image on models of its chips, other
 /// people's programs, examples.
-const CI: [&str; 6] = ["all", "counterparts", "examples", "exceptions", "rules", "scenarios"];
+const CI: [&str; 7] = ["all", "chains", "counterparts", "examples", "exceptions", "rules", "scenarios"];
 /// The crate whose emulated core wants cmake and libclang.
 const EMULATED: &str = "silicon";
 /// Folder of measured records, which the tests' `shared_data` looks for by itself, too.
@@ -43,11 +43,11 @@ impl TestPrograms {
         install::thumb_target()?;
         let quick = quick_programs()?;
         let mut cargo = cargo_test(tier);
-        cargo.args(["--no-run", "--lib", "--bins"]);
+        select(cargo.args(["--no-run", "--lib"]), &quick);
         if tier == Tier::Ci {
-            cargo.arg("--tests");
+            select(&mut cargo, &CI);
         }
-        let build = || artefacts::executable(select(&mut cargo, &quick), "anemo");
+        let build = || artefacts::executable(&mut cargo, "anemo");
         let ([firmware, sensor_firmware], anemo) = shell::both(images, build)?;
         Ok(Self { tier, anemo, firmware, sensor_firmware, quick })
     }
@@ -59,7 +59,7 @@ impl TestPrograms {
 
     /// Unit tests, and the programs of the tier `test`.
     pub fn quick(&self) -> Command {
-        let mut cargo = self.command(&["--lib", "--bins", "--no-fail-fast"]);
+        let mut cargo = self.command(&["--lib", "--no-fail-fast"]);
         select(&mut cargo, &self.quick);
         cargo
     }
@@ -67,6 +67,13 @@ impl TestPrograms {
     /// The programs that only `ci` runs.
     pub fn slow(&self) -> Command {
         let mut cargo = self.command(&["--no-fail-fast"]);
+        select(&mut cargo, &CI);
+        cargo
+    }
+
+    /// All of them at once.
+    pub fn all(&self) -> Command {
+        let mut cargo = self.quick();
         select(&mut cargo, &CI);
         cargo
     }
@@ -102,6 +109,8 @@ fn images() -> Result<[PathBuf; 2]> {
 
 fn cargo_test(tier: Tier) -> Command {
     let mut cargo = shell::cargo_of_all("test");
+    // Its own tests run in the profile in which it is built already.
+    cargo.args(["--exclude", "xtask"]);
     if tier == Tier::Test {
         cargo.args(["--exclude", EMULATED]);
     }

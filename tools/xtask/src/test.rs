@@ -18,6 +18,8 @@ pub fn tier(stages: &mut Stages, tier: Tier) -> Result<()> {
     let programs = stages.run("building the tests and the firmware", || TestPrograms::build(tier))?;
     stages.run("size of the firmware", size::run)?;
     stages.run("panics, stack, overflow", safety::run)?;
+    let mut jobs = shell::cargo();
+    stages.test("tests of the jobs", jobs.args(["test", "--profile", "xtask", "-p", "xtask"]), &[])?;
     stages.run("examples in the documentation", || shell::run(&mut programs.documentation()))?;
     stages.test("unit tests, command, closed loops", &mut programs.quick(), &[])
 }

@@ -1,12 +1,10 @@
 //! The command from outside.
 
-mod alternation;
 mod ambient;
 mod charge;
 mod cli;
 mod combine;
 mod currents;
-mod examples;
 mod export;
 mod head;
 mod long_record;
