@@ -244,7 +244,7 @@ fn benchmark() -> Result<()> {
 /// Writes pages of results into a folder of the night.
 fn study(arguments: &[&str]) -> Result<()> {
     let folder = shell::target_directory()?.join("nightly/results");
-    shell::run(shell::program(artefacts::anemo()?).args(arguments).arg("--output").arg(folder))
+    shell::run(shell::program(artefacts::anemo()?).args(arguments).arg("-o").arg(folder))
 }
 
 fn benches() -> Result<()> {

@@ -235,9 +235,12 @@ fn wrong_usage_is_code_2_and_one_sentence() {
         (vec!["plot", "no.parquet", "-o", "a.svg"], "no.parquet: there is no such file"),
         (vec!["recover", "no.parquet"], "no.parquet: there is no such recording, and no journal of one"),
         (vec!["run", &gusts, "--on", "silicon", "--link", "usart"], "--link: only qemu has a choice of links"),
-        (vec!["settings", "show", "--on", "silicon", "--link", "fifo"], "--link: only qemu has a choice of links"),
+        (
+            vec!["board", "settings", "show", "--on", "silicon", "--link", "fifo"],
+            "--link: only qemu has a choice of links",
+        ),
         (vec!["run", &gusts, "--on", "sim", "--flash", "a.flash"], "name --on qemu or --on silicon"),
-        (vec!["status", "--on", "silicon"], "silicon begin with the command and end with it"),
+        (vec!["board", "status", "--on", "silicon"], "silicon begin with the command and end with it"),
     ] {
         let (code, sentence) = refused(folder.path(), &arguments);
         assert_eq!(code, 2, "{sentence}");

@@ -34,17 +34,17 @@ fn every_form_goes_to_stdout_and_the_same_into_a_file() {
     let folder = folder.path();
     model(folder);
     for form in ["foster", "cauer", "spice", "response", "symbol", "structure", "c", "rust"] {
-        let printed = stdout(&anemo(folder, &["export", "m.json", "--as", form]));
-        let summary = stdout(&anemo(folder, &["export", "m.json", "--as", form, "-o", "x"]));
+        let printed = stdout(&anemo(folder, &["model", "export", "m.json", "--as", form]));
+        let summary = stdout(&anemo(folder, &["model", "export", "m.json", "--as", form, "-o", "x"]));
         assert!(summary.contains("class all: x"), "{summary}");
         assert_eq!(std::fs::read_to_string(folder.join("x")).unwrap(), printed);
-        let json = stdout(&anemo(folder, &["export", "m.json", "--as", form, "--json"]));
+        let json = stdout(&anemo(folder, &["model", "export", "m.json", "--as", form, "--json"]));
         let json: serde_json::Value = serde_json::from_str(&json).unwrap();
         assert!(json["rows"].is_array() || json["text"] == printed, "{json}");
         assert!(printed.contains("sector1") && printed.lines().count() > 10, "{printed}");
     }
     assert_eq!(
-        stdout(&anemo(folder, &["export", "m.json", "--as", "response", "--points", "7", "--json"]))
+        stdout(&anemo(folder, &["model", "export", "m.json", "--as", "response", "--points", "7", "--json"]))
             .matches("],[")
             .count(),
         6
@@ -56,15 +56,17 @@ fn a_reduced_model_is_a_model_and_its_table_an_experiments() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     model(folder);
-    let json =
-        stdout(&anemo(folder, &["reduce", "m.json", "--order", "4", "-o", "s.json", "--toml", "s.toml", "--json"]));
+    let json = stdout(&anemo(
+        folder,
+        &["model", "reduce", "m.json", "--order", "4", "-o", "s.json", "--toml", "s.toml", "--json"],
+    ));
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     let lost = json["losses"][0]["levels"]["rms_share"].as_f64().unwrap();
     // Ten poles over three decades with four: well under a hundredth.
     assert!(lost > 0.0 && lost < 1e-2, "{lost}");
     let small = diffusive::model::Model::read(&folder.join("s.json")).unwrap();
     assert_eq!(small.pairs[0].mesh_rad_s.len(), 4);
-    assert!(stdout(&anemo(folder, &["export", "s.json", "--as", "cauer"])).lines().count() > 4);
+    assert!(stdout(&anemo(folder, &["model", "export", "s.json", "--as", "cauer"])).lines().count() > 4);
     let head = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../heads/sphere-b.toml");
     let head = anemometry::head::Head::read(&head).unwrap();
     let models = host_sim::experiment::models::Models::read(&folder.join("s.toml"), &head).unwrap();
@@ -77,16 +79,22 @@ fn what_cannot_be_exported_is_refused_in_a_sentence_and_nothing_is_written() {
     let folder = folder.path();
     model(folder);
     for (arguments, expected) in [
-        (vec!["export", "m.json", "--as", "foster", "--pair", "a:b", "-o", "x"], "m.json: the model has no pair `a:b`"),
-        (vec!["export", "m.json", "--as", "foster", "--class", "al", "-o", "x"], "no class `al`; did you mean `all`?"),
-        (vec!["export", "n.json", "--as", "foster", "-o", "x"], "n.json: there is no such file"),
-        (vec!["export", "m.json", "--as", "fostr", "-o", "x"], "fostr"),
-        (vec!["reduce", "m.json", "--order", "9", "-o", "x.json"], "1 to 8 poles a pair, not 9"),
-        (vec!["reduce", "m.json", "--free", "--mesh", "-o", "x"], "cannot be used with"),
-        (vec!["export", "m.json", "--as", "c", "-o", "m.json"], "m.json: is read by this command"),
-        (vec!["reduce", "m.json", "-o", "./m.json"], "m.json: is read by this command"),
-        (vec!["reduce", "m.json", "--toml", "m.json"], "m.json: is read by this command"),
-        (vec!["merge", "n.json", "m.json", "-o", "m.json"], "m.json: is read by this command"),
+        (
+            vec!["model", "export", "m.json", "--as", "foster", "--pair", "a:b", "-o", "x"],
+            "m.json: the model has no pair `a:b`",
+        ),
+        (
+            vec!["model", "export", "m.json", "--as", "foster", "--class", "al", "-o", "x"],
+            "no class `al`; did you mean `all`?",
+        ),
+        (vec!["model", "export", "n.json", "--as", "foster", "-o", "x"], "n.json: there is no such file"),
+        (vec!["model", "export", "m.json", "--as", "fostr", "-o", "x"], "fostr"),
+        (vec!["model", "reduce", "m.json", "--order", "9", "-o", "x.json"], "1 to 8 poles a pair, not 9"),
+        (vec!["model", "reduce", "m.json", "--free", "--mesh", "-o", "x"], "cannot be used with"),
+        (vec!["model", "export", "m.json", "--as", "c", "-o", "m.json"], "m.json: is read by this command"),
+        (vec!["model", "reduce", "m.json", "-o", "./m.json"], "m.json: is read by this command"),
+        (vec!["model", "reduce", "m.json", "--toml", "m.json"], "m.json: is read by this command"),
+        (vec!["model", "merge", "n.json", "m.json", "-o", "m.json"], "m.json: is read by this command"),
     ] {
         let output = anemo(folder, &arguments);
         assert_eq!(output.status.code(), Some(2), "{output:?}");

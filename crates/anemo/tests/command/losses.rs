@@ -70,18 +70,19 @@ fn growing_losses_are_found_by_themselves_and_known_to_every_command() {
     assert!(sure < 0.05 && (steady_w / truth_w - 1.0).abs() < sure, "{steady_w} W for {truth_w} W, {sure}");
     assert!((held["lost_w"].as_f64().unwrap() / (truth_w - 2.0) - 1.0).abs() < 0.05, "{held}");
 
-    let netlist = String::from_utf8(anemo(folder, &["export", "m.json", "--as", "spice"]).stdout).unwrap();
+    let netlist = String::from_utf8(anemo(folder, &["model", "export", "m.json", "--as", "spice"]).stdout).unwrap();
     assert!(netlist.contains("Bloss junction ambient I=") && !netlist.contains("linear part"), "{netlist}");
-    let foster = String::from_utf8(anemo(folder, &["export", "m.json", "--as", "foster"]).stdout).unwrap();
+    let foster = String::from_utf8(anemo(folder, &["model", "export", "m.json", "--as", "foster"]).stdout).unwrap();
     assert!(foster.contains("this is its linear part"), "{foster}");
-    let reduced = json(folder, &["reduce", "m.json", "--order", "2", "-o", "s.json", "--toml", "s.toml", "--json"]);
+    let reduced =
+        json(folder, &["model", "reduce", "m.json", "--order", "2", "-o", "s.json", "--toml", "s.toml", "--json"]);
     assert!(reduced.is_object());
     assert_eq!(diffusive::model::Model::read(&folder.join("s.json")).unwrap().placed_losses().len(), 1);
     let board = std::fs::read_to_string(folder.join("s.toml")).unwrap();
     assert!(board.contains("# left out, for the board's model is linear: losses that grow"), "{board}");
     let design = sentence(folder, &["design", "m.json", "--target", "40", "--ripple", "0.1"]);
     assert!(design.contains("has losses that grow with temperature, for which no design here allows"), "{design}");
-    let merged = sentence(folder, &["merge", "m.json", "s.json", "-o", "x.json"]);
+    let merged = sentence(folder, &["model", "merge", "m.json", "s.json", "-o", "x.json"]);
     assert!(merged.contains("`losses` that grow with temperature, and cannot be merged"), "{merged}");
 }
 
