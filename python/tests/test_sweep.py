@@ -269,8 +269,10 @@ def test_a_script_whose_workers_would_sweep_again_says_so(tmp_path):
 
 
 @pytest.mark.nightly
-def test_jobs_of_slurm_come_to_the_same_and_only_a_killed_run_is_repeated(slurm, tmp_path):
+def test_jobs_of_slurm_come_to_the_same_and_only_a_killed_run_is_repeated(slurm, tmp_path, monkeypatch):
     jobqueue = pytest.importorskip("dask_jobqueue", reason="dask-jobqueue is not installed")
+    # Workers import this file.
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(ROOT / "python/tests"), os.environ.get("PYTHONPATH", "")]))
     vary = {"duration_s": [600.0], "seed": list(range(1, 9))}
     plain = anemo.sweep(STEADY, vary, results=tmp_path / "plain")
     log, marker = tmp_path / "log", tmp_path / "killed"
