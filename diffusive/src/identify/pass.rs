@@ -181,8 +181,7 @@ pub struct Passed {
     pub output_shift: Vec<f64>,
 }
 
-/// Reads the record once, in blocks that do not depend on its files: nothing should follow from how
-/// it is cut. `rows` at most are taken; `progress` hears of every block.
+/// Reads the record once, in blocks that do not depend on its files. `rows` at most are taken; `progress` hears of every block.
 pub fn pass(
     source: &mut dyn RecordSource,
     designs: &[RegressionDesign],
