@@ -2,8 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::design::RegressionDesign;
-use super::gas_source::GasSource;
+use super::design::{GasSource, RegressionDesign};
 use super::gram::{Gram, SegmentSums, Starts, in_one};
 use super::panels::{self, BATCH, LANES, Panel, Tile};
 use super::record::Block;

@@ -2,14 +2,13 @@
 //! checks and priors need.
 
 use super::accumulator::Accumulator;
-use super::design::{BankDrive, RegressionDesign, RelaxationBank};
-use super::gas_source::GasSource;
+use super::design::{BankDrive, GasSource, RegressionDesign, RelaxationBank};
 use super::gram::Gram;
-use super::moves::InputMoves;
+use super::options::Progress;
 use super::quiet_start::QuietStart;
 use super::record::{Block, InBlocks, RecordError, RecordSource, Survey};
 use super::segment::start_rates;
-use super::spread::{ValueSpread, deviation};
+use super::spread::{InputMoves, ValueSpread, deviation};
 use super::whole_batches::WholeBatches;
 use crate::model::Provenance;
 
@@ -168,6 +167,19 @@ impl Facts {
         let own = self.classes.iter().map(|of| &of[input]);
         (own.clone().map(|of| of.sum).sum(), own.map(|of| of.squares).sum())
     }
+}
+
+/// The labels of all classes: a record with an event column is read once for them.
+pub fn labels(source: &mut dyn RecordSource, progress: &mut Progress<'_>) -> Result<Vec<String>, RecordError> {
+    if source.survey().event_column.is_some() {
+        source.restart()?;
+        let (mut done, rows) = (0, source.survey().rows);
+        while let Some(block) = source.next_block()? {
+            done += block.len() as u64;
+            progress("looking for events", done, rows);
+        }
+    }
+    Ok(source.classes().to_vec())
 }
 
 /// What a reading gives.

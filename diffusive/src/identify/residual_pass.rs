@@ -7,10 +7,9 @@ use std::ops::Range;
 
 use nalgebra::{Cholesky, DMatrix};
 
-use super::design::RegressionDesign;
+use super::design::{GasSource, RegressionDesign};
 use super::drift::{ChosenDrift, DriftTracker};
 use super::fitted::FittedOutput;
-use super::gas_source::GasSource;
 use super::gram::in_one;
 use super::options::{FitObserver, Progress};
 use super::panels::{BATCH, LANES, Lanes, Panel, Tile, add_products, panels, tiles};
