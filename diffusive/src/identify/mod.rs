@@ -33,7 +33,7 @@
 //! | [`options`] | options |
 //! | `validate_options` | checks of the options against the record's length, period and columns |
 //! | `design`, `rows` | which columns the regression has, and their rows: exact states of relaxations |
-//! | `panels`, `gram`, `accumulator`, `pass`, `segment` | one reading of the record: normal equations, fold by fold, and what segments behind gaps leave in them |
+//! | `panels`, `gram`, `accumulator`, `whole_batches`, `pass`, `segment` | one reading of the record: normal equations, fold by fold, and what segments behind gaps leave in them |
 //! | `candidates`, `delay` | the models that are tried |
 //! | `prior`, `normal_equations`, [`nonnegative`] | penalised least squares on the sums, and its standard errors |
 //! | [`drift`] | an offset that moves: its kind and size, and sums without it |
