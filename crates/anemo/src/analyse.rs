@@ -8,7 +8,7 @@ use diffusive::model::Model;
 use diffusive::predict::analysis_report::{AnalysisReport, AnalysisRequest};
 use plot::closed_loop;
 
-/// Analyse a given loop on a model: can it hold its set-point, how fast.
+/// Analyse a given loop on a model: does it hold, and how fast.
 ///
 /// `design` chooses a loop from requirements. `analyse` examines one given loop at its set-point.
 /// `predict` predicts the powers of a whole experiment.

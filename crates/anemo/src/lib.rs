@@ -72,7 +72,7 @@ use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 /// Width of help, also where a terminal is wider.
 const MOST_COLUMNS: usize = 80;
 
-/// Thermal sigma-delta anemometers: run experiments, identify thermal models, measure wind.
+/// Run thermal sigma-delta anemometers, identify thermal models, measure wind.
 #[derive(Parser)]
 #[command(
     name = "anemo",

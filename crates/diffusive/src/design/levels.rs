@@ -1,6 +1,6 @@
 //! Which set-point, and between which levels: low below and high above the power of every wind.
 
-use super::requirements::Requirements;
+use super::Requirements;
 use crate::model::ModelError;
 use crate::predict::loop_model::LoopModel;
 use crate::predict::reaching::reaching_time_s;

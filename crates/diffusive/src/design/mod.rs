@@ -16,7 +16,6 @@
 mod levels;
 mod period;
 mod report;
-mod requirements;
 mod settling;
 mod trial;
 
@@ -25,13 +24,32 @@ use crate::predict::analysis::{LoopConditions, analyse};
 use crate::predict::loop_model::{LoopModel, levels_descend};
 
 pub use report::{DesignInWind, DesignReport, LoopDesign};
-pub use requirements::Requirements;
 pub use trial::LoopTrial;
 
 /// Averaged over where no response was required, s.
 const WINDOW_S: f64 = 1.0;
 /// Samples that a response shall have at least.
 const LEAST_SAMPLES: f64 = 10.0;
+
+/// Requirements of a loop.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Requirements {
+    /// Lowest and highest set-point that would do, K above the first wind's temperature without
+    /// heating.
+    pub rise_k: (f64, f64),
+    /// Low level that is given, W.
+    pub power_low_w: Option<f64>,
+    /// High level that is given, W.
+    pub power_high_w: Option<f64>,
+    /// How far the levels shall stay from u_Q, as a share of it: between 0 and 1.
+    pub margin: f64,
+    /// Swing of the temperature that is allowed, from peak to peak, K.
+    pub ripple_k: f64,
+    /// After a change of the wind the power shall be within 2 % of the change in this time, s.
+    pub response_s: Option<f64>,
+    /// From rest the set-point shall be reached in this time, s.
+    pub reach_s: Option<f64>,
+}
 
 /// Designs the loop of one element for winds of the same pair.
 ///

@@ -1,9 +1,9 @@
 //! One pass over a record for one design: the sums, fold by fold.
 
-use super::design::RegressionDesign;
-use super::folded_sums::{FoldSums, FoldedSums};
-use super::gas_source::GasSource;
-use super::gram::Gram;
+use nalgebra::DMatrix;
+
+use super::design::{GasSource, RegressionDesign};
+use super::gram::{Gram, SegmentSums, Starts, in_one};
 use super::panels::{self, BATCH, LANES, Panel, Tile};
 use super::record::Block;
 use super::rows::RegressionRows;
@@ -19,11 +19,14 @@ pub struct Accumulator {
     /// The fold that is being read.
     at: usize,
     /// The segment that is being read, whether it is the record's first, and its next row.
-    segment: FoldedSums,
+    segment: SegmentSums,
     is_first: bool,
     segment_row: u64,
-    /// What the segments before left.
-    record: FoldedSums,
+    /// Sums of the segments before, fold by fold, and states after each fold.
+    record: Vec<Gram>,
+    /// What rounding took from these sums.
+    rests: Vec<DMatrix<f64>>,
+    ends: Vec<Vec<f64>>,
     /// First row behind every fold but the last.
     borders: Vec<u64>,
     /// With the decays that later segments begin with, and how many those are.
@@ -46,17 +49,20 @@ impl Accumulator {
     ) -> Self {
         let design = with_starts(design, starts_rad_s);
         let rows = RegressionRows::new(&design, sample_period_s, output_shift);
-        let count = panels::panels(rows.width());
+        let width = rows.width();
+        let count = panels::panels(width);
         Self {
             rows,
             panels: vec![[[0.0; LANES]; BATCH]; count],
             tiles: vec![Tile::default(); panels::tiles(count)],
             fold_rows: 0,
             at: 0,
-            segment: FoldedSums::default(),
+            segment: SegmentSums::default(),
             is_first: true,
             segment_row: 0,
-            record: FoldedSums::default(),
+            record: vec![Gram::empty(width - starts_rad_s.len()); folds],
+            rests: vec![DMatrix::zeros(width - starts_rad_s.len(), width - starts_rad_s.len()); folds],
+            ends: Vec::new(),
             starts: starts_rad_s.len(),
             borders: (1..folds as u64).map(|fold| expected_rows * fold / folds as u64).collect(),
             row: 0,
@@ -72,8 +78,7 @@ impl Accumulator {
         states
     }
 
-    /// Takes the next rows: up to a multiple of [`BATCH`] of them, unless they are the last, so
-    /// that the same rows are batches however a record is cut.
+    /// Takes the next rows: up to a multiple of [`BATCH`] of them, unless they are the last.
     pub fn push(&mut self, block: &Block, gas: GasSource) {
         if block.begins_segment && self.row > 0 {
             self.end_segment();
@@ -111,7 +116,8 @@ impl Accumulator {
     /// Adds what was read since to the fold.
     fn close_fold(&mut self) {
         if self.fold_rows > 0 {
-            self.segment.add(FoldSums::of_tiles(self.at, &self.tiles, self.rows.width(), self.fold_rows));
+            let sums = in_one(&self.tiles, self.rows.width());
+            self.segment.folds.push((self.at, Gram { sums, rows: self.fold_rows, starts: Starts::default() }));
         }
         self.tiles.fill(Tile::default());
         self.fold_rows = 0;
@@ -119,32 +125,36 @@ impl Accumulator {
 
     fn end_fold(&mut self) {
         self.close_fold();
-        self.segment.end_fold(self.at, self.column_states());
+        self.segment.ends.push(self.column_states());
         self.at += 1;
     }
 
     fn end_segment(&mut self) {
         self.close_fold();
-        let columns: Vec<usize> = (0..self.rows.width()).collect();
-        let sums = std::mem::take(&mut self.segment).selected(&columns, columns.len());
-        self.record.append(segment::finished(sums, &self.design, self.starts, self.is_first));
+        let sums = std::mem::take(&mut self.segment);
+        let SegmentSums { folds, ends } = segment::finished(sums, &self.design, self.starts, self.is_first);
+        for (fold, more) in folds {
+            let (record, rests) = (&mut self.record[fold], &mut self.rests[fold]);
+            let before = record.sums.clone();
+            record.add(&more);
+            *rests += before.zip_map(&more.sums, |a, b| panels::exact_sum(a, b).1);
+        }
+        self.ends.extend(ends);
     }
 
     /// The folds, and the states behind each of them.
     pub fn finish(mut self) -> (Vec<Gram>, Vec<Vec<f64>>) {
-        let folds = self.borders.len() + 1;
-        while self.at < folds {
+        while self.at < self.record.len() {
             self.end_fold();
         }
         self.end_segment();
-        self.record.folds(self.rows.width() - self.starts, folds)
+        self.record.iter_mut().zip(&self.rests).for_each(|(fold, rests)| fold.sums += rests);
+        (self.record, self.ends)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::DMatrix;
-
     use super::*;
     use crate::identify::design::{BankDrive, RelaxationBank};
 

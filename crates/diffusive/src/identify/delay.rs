@@ -9,9 +9,8 @@
 use dr_core::model::mesh;
 
 use super::candidates::terms;
-use super::design::{BankDrive, RegressionDesign, RelaxationBank};
+use super::design::{BankDrive, GasSource, RegressionDesign, RelaxationBank};
 use super::folds::{FOLDS, FoldedEquations, Score, change};
-use super::gas_source::GasSource;
 use super::options::{Constraints, InitialState};
 use super::pass::pass;
 use super::prior::{Prior, Scales};

@@ -13,6 +13,15 @@
 //! as feedback (theory 12), by an output gated to a class, by the gate alone, or by the gas; or by
 //! an output, for what a drift makes of its past.
 
+/// Where a row takes its gas temperature from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum GasSource {
+    /// The same all through, °C; 0 where nothing needs one.
+    Constant(f64),
+    /// The record's gas column.
+    Column,
+}
+
 /// What drives a bank.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BankDrive {

@@ -17,24 +17,23 @@ pub struct Starts {
     pub rows: f64,
 }
 
-/// The sums in tiles, and what rounding took from each, as symmetric matrices.
-pub fn in_places(tiles: &[Tile], width: usize) -> [DMatrix<f64>; 2] {
-    [0, 1].map(|of| {
-        let mut matrix = DMatrix::zeros(width, width);
-        for ((p, q), tile) in panels::places(panels::panels(width)).zip(tiles) {
-            for (i, lanes) in tile[of].iter().enumerate() {
-                for (j, &sum) in lanes.iter().enumerate() {
-                    let (i, j) = (LANES * p + i, LANES * q + j);
-                    // The last panel may have lanes to spare.
-                    if i < width && j < width {
-                        matrix[(i, j)] = sum;
-                        matrix[(j, i)] = sum;
-                    }
+/// Sums in tiles as a symmetric matrix.
+pub fn in_one(tiles: &[Tile], width: usize) -> DMatrix<f64> {
+    let mut matrix = DMatrix::zeros(width, width);
+    for ((p, q), [sums, rests]) in panels::places(panels::panels(width)).zip(tiles) {
+        for i in 0..LANES {
+            for j in 0..LANES {
+                let (row, column) = (LANES * p + i, LANES * q + j);
+                // The last panel may have lanes to spare.
+                if row < width && column < width {
+                    let sum = sums[i][j] + rests[i][j];
+                    matrix[(row, column)] = sum;
+                    matrix[(column, row)] = sum;
                 }
             }
         }
-        matrix
-    })
+    }
+    matrix
 }
 
 /// Sums over some rows.
@@ -65,4 +64,13 @@ impl Gram {
         folds.for_each(|fold| total.add(fold));
         total
     }
+}
+
+/// Sums of one design over a segment.
+#[derive(Default)]
+pub struct SegmentSums {
+    /// Number of a fold, and the sums of its rows.
+    pub folds: Vec<(usize, Gram)>,
+    /// States after each fold that ended here.
+    pub ends: Vec<Vec<f64>>,
 }

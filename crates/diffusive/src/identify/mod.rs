@@ -38,7 +38,7 @@
 //! | [`options`] | options |
 //! | `validate_options` | checks of the options against the record's length, period and columns |
 //! | `design`, `rows` | which columns the regression has, and their rows: exact states of relaxations |
-//! | `panels`, `gram`, `folded_sums`, `accumulator`, `pass`, `whole_batches`, `moves`, `segment` | one reading of the record: normal equations, fold by fold, and what segments behind gaps leave in them |
+//! | `panels`, `gram`, `accumulator`, `whole_batches`, `pass`, `segment` | one reading of the record: normal equations, fold by fold, and what segments behind gaps leave in them |
 //! | `candidates`, `delay` | the models that are tried |
 //! | `prior`, `normal_equations`, [`nonnegative`] | penalised least squares on the sums, and its standard errors |
 //! | [`drift`] | an offset that moves: its kind and size, and sums without it |
@@ -70,8 +70,6 @@ pub mod drift;
 #[doc(hidden)]
 pub mod folds;
 #[doc(hidden)]
-pub mod gas_source;
-#[doc(hidden)]
 pub mod gram;
 #[doc(hidden)]
 pub mod normal_equations;
@@ -85,11 +83,8 @@ mod conductance;
 mod delay;
 mod drifting;
 mod fitted;
-mod folded_sums;
-mod labels;
 mod losses;
 mod mixture;
-mod moves;
 mod outcome;
 mod panels;
 mod prior;

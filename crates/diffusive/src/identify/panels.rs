@@ -18,8 +18,7 @@ pub const BATCH: usize = 128;
 
 pub type Lanes = [f64; LANES];
 pub type Panel = [Lanes; BATCH];
-/// Sums, and what rounding took from them: together they are the same to the last digit, whatever
-/// batches are summed first.
+/// Sums, and what rounding took from them.
 pub type Tile = [[Lanes; LANES]; 2];
 
 /// Panels that `width` columns take; the last may have lanes to spare.

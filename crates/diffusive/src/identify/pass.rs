@@ -2,14 +2,13 @@
 //! checks and priors need.
 
 use super::accumulator::Accumulator;
-use super::design::{BankDrive, RegressionDesign, RelaxationBank};
-use super::gas_source::GasSource;
+use super::design::{BankDrive, GasSource, RegressionDesign, RelaxationBank};
 use super::gram::Gram;
-use super::moves::InputMoves;
+use super::options::Progress;
 use super::quiet_start::QuietStart;
 use super::record::{Block, InBlocks, RecordError, RecordSource, Survey};
 use super::segment::start_rates;
-use super::spread::{ValueSpread, deviation};
+use super::spread::{InputMoves, ValueSpread, deviation};
 use super::whole_batches::WholeBatches;
 use crate::model::Provenance;
 
@@ -170,6 +169,19 @@ impl Facts {
     }
 }
 
+/// The labels of all classes: a record with an event column is read once for them.
+pub fn labels(source: &mut dyn RecordSource, progress: &mut Progress<'_>) -> Result<Vec<String>, RecordError> {
+    if source.survey().event_column.is_some() {
+        source.restart()?;
+        let (mut done, rows) = (0, source.survey().rows);
+        while let Some(block) = source.next_block()? {
+            done += block.len() as u64;
+            progress("looking for events", done, rows);
+        }
+    }
+    Ok(source.classes().to_vec())
+}
+
 /// What a reading gives.
 pub struct Passed {
     /// By design: the folds.
@@ -181,8 +193,7 @@ pub struct Passed {
     pub output_shift: Vec<f64>,
 }
 
-/// Reads the record once, in blocks that do not depend on its files: nothing should follow from how
-/// it is cut. `rows` at most are taken; `progress` hears of every block.
+/// Reads the record once, in blocks that do not depend on its files. `rows` at most are taken; `progress` hears of every block.
 pub fn pass(
     source: &mut dyn RecordSource,
     designs: &[RegressionDesign],

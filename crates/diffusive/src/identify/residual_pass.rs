@@ -7,11 +7,10 @@ use std::ops::Range;
 
 use nalgebra::{Cholesky, DMatrix};
 
-use super::design::RegressionDesign;
+use super::design::{GasSource, RegressionDesign};
 use super::drift::{ChosenDrift, DriftTracker};
 use super::fitted::FittedOutput;
-use super::gas_source::GasSource;
-use super::gram::in_places;
+use super::gram::in_one;
 use super::options::{FitObserver, Progress};
 use super::panels::{BATCH, LANES, Lanes, Panel, Tile, add_products, panels, tiles};
 use super::record::{RecordError, RecordSource, copy_row};
@@ -271,12 +270,12 @@ impl StartFit {
 
     fn end_segment(&mut self, is_first: bool) {
         self.add_rows();
-        let [sums, rests] = in_places(&self.tiles, self.width);
+        let sums = in_one(&self.tiles, self.width);
         self.tiles.fill(Tile::default());
         if is_first {
             return;
         }
-        let (sums, count) = (sums + rests, self.count);
+        let count = self.count;
         let squares = sums.view((0, 0), (count, count)).into_owned();
         let held = DMatrix::from_diagonal(&squares.diagonal().map(segment::held));
         let factor = Cholesky::new(squares + held);

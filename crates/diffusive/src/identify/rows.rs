@@ -14,8 +14,7 @@
 use dr_core::model::mesh;
 use pulp::{Simd, WithSimd};
 
-use super::design::{BankDrive, RegressionDesign};
-use super::gas_source::GasSource;
+use super::design::{BankDrive, GasSource, RegressionDesign};
 use super::panels::{BATCH, LANES, Lanes, Panel, panels};
 use super::record::Block;
 

@@ -17,8 +17,7 @@ use dr_core::model::mesh;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::design::RegressionDesign;
-use super::folded_sums::{FoldedGrams, FoldedSums};
-use super::gram::{Gram, Starts};
+use super::gram::{Gram, SegmentSums, Starts};
 use super::record::Survey;
 
 /// Decays of which any between the first and the last is a sum within 3e-5, and which are told
@@ -43,8 +42,7 @@ pub fn with_starts(design: &RegressionDesign, rates_rad_s: &[f64]) -> Regression
 
 /// What a segment whose rows are all summed hands to the record's sums: of a later one, what its
 /// start leaves. `design` is one with the `starts` decays of D, which are no columns behind this.
-pub fn finished(sums: FoldedGrams, design: &RegressionDesign, starts: usize, is_first: bool) -> FoldedSums {
-    let mut sums = sums;
+pub fn finished(mut sums: SegmentSums, design: &RegressionDesign, starts: usize, is_first: bool) -> SegmentSums {
     if !is_first {
         LaterSegment::of(design, starts).take_start_out(&mut sums);
     }
@@ -53,8 +51,8 @@ pub fn finished(sums: FoldedGrams, design: &RegressionDesign, starts: usize, is_
         let all = std::mem::replace(&mut fold.sums, DMatrix::zeros(0, 0));
         fold.sums = all.remove_columns(end - count, count).remove_rows(end - count, count);
     }
-    sums.ends.iter_mut().for_each(|(_, states)| drop(states.drain(end - count..end)));
-    FoldedSums::of(&sums.folds, sums.ends)
+    sums.ends.iter_mut().for_each(|states| drop(states.drain(end - count..end)));
+    sums
 }
 
 /// Where a later segment has its columns.
@@ -73,8 +71,8 @@ impl LaterSegment {
 
     /// Leaves what the start does not explain, in the folds and in the states behind those that
     /// ended in the segment.
-    fn take_start_out(&self, sums: &mut FoldedGrams) {
-        let FoldedGrams { folds, ends } = sums;
+    fn take_start_out(&self, sums: &mut SegmentSums) {
+        let SegmentSums { folds, ends } = sums;
         let grams = std::mem::take(folds);
         if grams.is_empty() {
             return;
@@ -95,7 +93,7 @@ impl LaterSegment {
             };
             folds.push((fold, left));
         }
-        for (_, states) in ends {
+        for states in ends {
             let end = DVector::from_column_slice(states);
             let mut left = &end - explained.tr_mul(&end.rows(first, count));
             left.rows_mut(self.initial.start, self.own.end - self.initial.start).fill(0.0);
@@ -112,6 +110,7 @@ impl LaterSegment {
         let (start, width) = (self.initial.start, self.own.end - self.initial.start);
         left.columns_mut(start, width).fill(0.0);
         left.rows_mut(start, width).fill(0.0);
+        left.fill_upper_triangle_with_lower_triangle();
         left
     }
 }

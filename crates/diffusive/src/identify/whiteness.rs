@@ -8,8 +8,8 @@
 //! cross-validated error is taken for proof as well.
 
 use super::choose::Choice;
+use super::design::GasSource;
 use super::fitted::FittedOutput;
-use super::gas_source::GasSource;
 use super::options::{FitObserver, InitialState};
 use super::record::{RecordError, RecordSource};
 use super::residual_pass::ResidualPass;

@@ -1,5 +1,6 @@
-//! Rows in whole batches, counted from the first of a record, in whatever blocks they come: so sums
-//! of them are the same to the last digit.
+//! Rows in whole batches, counted from the first of a record, in whatever blocks they come.
+//!
+//! Segments begin with dense decays: other batches move single resistances by some 1e-5.
 
 use super::panels::BATCH;
 use super::record::Block;

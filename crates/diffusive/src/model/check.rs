@@ -3,8 +3,8 @@
 
 use recording::text::{one_line, tidy};
 
+use super::ModelError;
 use super::content::{Following, Model, ModelGas, Pair, RecordEnd, Structure};
-use super::error::ModelError;
 
 /// Sample periods that a record can have, s.
 const PERIODS_S: (f64, f64) = (1e-12, 1e12);

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use super::ModelError;
 use super::content::{FORMAT, Model, VERSION};
-use super::error::ModelError;
 use recording::Temporary;
 use recording::text::one_line;
 

@@ -17,8 +17,8 @@
 //! Limits: the loss is that of the heated body itself, taken at the start of each sample and held;
 //! below T_0 it goes on as the square, as the conductance falls there.
 
+use super::ModelError;
 use super::content::{Model, Structure};
-use super::error::ModelError;
 use super::pair_class::PairClass;
 use recording::text::one_line;
 

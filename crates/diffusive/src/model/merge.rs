@@ -13,8 +13,8 @@
 
 use std::collections::BTreeSet;
 
+use super::ModelError;
 use super::content::{Chosen, Model, ModelOutput, Pair, Provenance, Structure};
-use super::error::ModelError;
 
 /// By how much a dead time may miss a whole number of samples, in samples.
 const WHOLE: f64 = 1e-6;

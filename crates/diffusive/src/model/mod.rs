@@ -20,7 +20,6 @@ pub mod certainty;
 mod check;
 mod conditions;
 mod content;
-mod error;
 pub mod export;
 mod file;
 mod forward;
@@ -35,8 +34,26 @@ pub mod testing;
 
 pub use conditions::{Conditions, SAME_PRESSURE, SAME_TEMPERATURE_K};
 pub use content::*;
-pub use error::ModelError;
 pub use forward::Forward;
 pub use gain_unit::{gain_unit, rise_unit};
 pub use losses::PlacedLoss;
 pub use pair_class::PairClass;
+
+/// Reason why a model cannot be read, reduced, exported, predicted with or designed for: one
+/// sentence that says what is wrong, where, and what would be right. Nobody handles one cause differently from
+/// another, so that there are no variants.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct ModelError(String);
+
+impl ModelError {
+    /// An error of one sentence.
+    pub fn new(sentence: impl Into<String>) -> Self {
+        Self(sentence.into())
+    }
+
+    /// The same with what it is about before it: a file or a pair.
+    pub fn about(self, what: impl std::fmt::Display) -> Self {
+        Self(format!("{what}: {self}"))
+    }
+}

@@ -1,7 +1,7 @@
 //! Which numbers of a model are meant: those of one pair of input and output, in one event class.
 
+use super::ModelError;
 use super::content::{Class, Model, Pair, Structure};
-use super::error::ModelError;
 use super::gain_unit::gain_unit;
 use recording::is_pair;
 use recording::text::suggest;

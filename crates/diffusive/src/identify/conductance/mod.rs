@@ -35,8 +35,8 @@ mod terms;
 #[cfg(test)]
 mod tests;
 
-use super::labels::labels;
 use super::options::{FitObserver, GasGiven, IdentifyOptions, Progress};
+use super::pass::labels;
 use super::record::{RecordError, RecordSource, Survey};
 use crate::model::Model;
 use search::WindSearch;

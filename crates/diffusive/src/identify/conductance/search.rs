@@ -1,9 +1,8 @@
 //! One reading of the record for one reference class, and every candidate solved on its sums.
 
 use super::super::candidates::{CandidateMesh, initial_states};
-use super::super::design::{RegressionDesign, Role};
+use super::super::design::{GasSource, RegressionDesign, Role};
 use super::super::folds::{FOLDS, Score, score};
-use super::super::gas_source::GasSource;
 use super::super::gram::Gram;
 use super::super::normal_equations::NormalEquations;
 use super::super::options::{GasGiven, IdentifyOptions, InitialState, Progress};

@@ -169,9 +169,9 @@ fn gathered(mut sum: Vec<(usize, f64)>) -> Vec<(usize, f64)> {
 mod tests {
     use super::*;
     use crate::identify::accumulator::Accumulator;
+    use crate::identify::design::GasSource;
     use crate::identify::design::RelaxationBank;
     use crate::identify::drift::Section;
-    use crate::identify::gas_source::GasSource;
     use crate::identify::record::Block;
 
     const PERIOD_S: f64 = 0.5;

@@ -33,17 +33,14 @@
 //! Limits: the filter is the steady state's. At the first row, where nothing is known of the level,
 //! the offset stands for it.
 
-mod chosen;
 pub mod columns;
 pub mod filter;
 pub mod search;
-mod starts;
 mod tracker;
 
-pub use chosen::ChosenDrift;
 pub use columns::PoleColumns;
 pub use filter::{NoiseFilter, RunningFilter, Section};
-pub use tracker::DriftTracker;
+pub use tracker::{ChosenDrift, DriftTracker};
 
 /// Poles a decade that filters may have.
 const POLES_PER_DECADE: f64 = 2.0;

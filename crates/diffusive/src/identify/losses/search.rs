@@ -6,8 +6,8 @@
 
 use dr_core::model::mesh::thesis_edges_rad_s;
 
+use super::super::design::GasSource;
 use super::super::folds::{FOLDS, Score};
-use super::super::gas_source::GasSource;
 use super::super::options::Progress;
 use super::super::pass::pass;
 use super::super::record::{RecordError, RecordSource};

@@ -1,8 +1,8 @@
 //! The model that free poles make, from a last reading for its residuals.
 
+use super::super::design::GasSource;
 use super::super::fitted::FittedOutput;
 use super::super::folds::change;
-use super::super::gas_source::GasSource;
 use super::super::options::FitObserver;
 use super::super::outcome;
 use super::super::pass::Facts;

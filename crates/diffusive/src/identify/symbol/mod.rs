@@ -5,7 +5,6 @@
 //! class, which go on decaying while another class holds; all classes share what the record began
 //! with.
 
-mod asked;
 pub(super) mod plan;
 mod report;
 #[cfg(test)]
@@ -14,10 +13,11 @@ mod tests;
 use super::candidates::MeshPart;
 use super::choose::{CandidateSet, Choice};
 use super::delay;
+use super::design::GasSource;
 use super::fitted::FittedOutput;
-use super::gas_source::GasSource;
-use super::labels::labels;
-use super::options::{FitObserver, IdentifyOptions, Progress};
+use super::folds::change;
+use super::options::{FitObserver, IdentifyOptions, InitialState, Progress};
+use super::pass::labels;
 use super::record::{RecordError, RecordSource, Survey};
 use super::residual_pass::{ResidualPass, observed};
 use super::tied::{Tied, tie};
@@ -49,7 +49,7 @@ pub fn identify(
     if options.asks_for_an_initial_state() {
         let open = options.with_any_initial_state();
         let others = decided(source, &reading, &open, progress)?;
-        let against = asked::contradictions(&reading.plan.survey, options, &choices, &others);
+        let against = contradictions(&reading.plan.survey, options, &choices, &others);
         if !against.is_empty() {
             let mut model = identify(source, &open, progress, observer)?;
             model.warnings.extend(against);
@@ -132,4 +132,25 @@ fn reconsider(
     }
     choices.clone_from_slice(&others);
     Ok(())
+}
+
+/// Ratio of errors, all questions together, from which a record contradicts a requested initial state.
+const CONTRADICTED: f64 = 1.1;
+
+/// Reasons why the record contradicts a requested initial state, output by output.
+///
+/// A wrong request makes gains wrong: what was stored before passes for the answer to power. So the
+/// choice is made once more on the same sums, with any initial state. `others` are those choices.
+fn contradictions(survey: &Survey, options: &IdentifyOptions, choices: &[Choice], others: &[Choice]) -> Vec<String> {
+    let asked = options.constraints.initial_state.map_or("", InitialState::name);
+    let of = |((choice, other), name): ((&Choice, &Choice), &String)| {
+        let ratio = other.score.overall() / choice.score.overall().max(1e-300);
+        (ratio < CONTRADICTED.powi(-2)).then(|| {
+            format!(
+                "`{name}`: the initial state is not {asked}, as requested: with any other the cross-validated error is {}, and that is taken; the record does not begin so, or something else moves it at first (a drift, another input)",
+                change(ratio)
+            )
+        })
+    };
+    choices.iter().zip(others).zip(&survey.outputs).filter_map(of).collect()
 }

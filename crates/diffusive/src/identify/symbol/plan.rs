@@ -5,10 +5,9 @@ use dr_core::model::mesh::thesis_edges_rad_s;
 
 use super::super::candidates::{self, CandidateMesh, MeshPart};
 use super::super::delay::PathDecision;
-use super::super::design::{BankDrive, RegressionDesign, RelaxationBank};
+use super::super::design::{BankDrive, GasSource, RegressionDesign, RelaxationBank};
 use super::super::drift::DriftGiven;
 use super::super::folds::FOLDS;
-use super::super::gas_source::GasSource;
 use super::super::options::{Constraints, IdentifyOptions, InitialState, Progress};
 use super::super::pass::{Passed, pass};
 use super::super::prior::Scales;

@@ -38,7 +38,7 @@
 
 use serde::Serialize;
 
-use crate::model::error::ModelError;
+use crate::model::ModelError;
 
 /// A section of the ladder: a layer of matter.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::source::{Language, source};
 use super::spice::{SpiceNetwork, netlist};
 use super::table::{ExportTable, cauer_table, foster_table, response_table, structure_table, symbol_table};
-use crate::model::error::ModelError;
+use crate::model::ModelError;
 use crate::model::pair_class::PairClass;
 
 /// The forms of an export.

@@ -15,8 +15,8 @@
 
 use nalgebra::{Complex, DMatrix};
 
+use crate::model::ModelError;
 use crate::model::content::{Class, Model, Pair, Structure};
-use crate::model::error::ModelError;
 use crate::model::pair_class::PairClass;
 
 /// H(jω) of one pair in the class called `label`, wind included; `None` if the model has no such

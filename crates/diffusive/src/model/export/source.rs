@@ -11,7 +11,7 @@
 
 use dr_core::model::mesh;
 
-use crate::model::error::ModelError;
+use crate::model::ModelError;
 use crate::model::pair_class::PairClass;
 
 /// Language of the source text.

@@ -16,7 +16,7 @@ use std::fmt::Write as _;
 
 use super::cauer::{LadderSection, cauer, no_network};
 use super::foster::{Cell, foster};
-use crate::model::error::ModelError;
+use crate::model::ModelError;
 use crate::model::pair_class::{PairClass, element};
 
 /// The network that a netlist holds.

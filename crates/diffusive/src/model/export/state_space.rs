@@ -11,8 +11,8 @@
 use dr_core::model::mesh;
 use nalgebra::DMatrix;
 
+use super::super::ModelError;
 use super::super::content::Model;
-use super::super::error::ModelError;
 use super::super::pair_class::PairClass;
 
 /// The matrices; D is that of feed-throughs.

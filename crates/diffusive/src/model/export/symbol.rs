@@ -9,7 +9,7 @@
 //! the local spacing: half the distance between the two neighbours on the logarithmic axis, and at
 //! an edge the distance to the only one. Σ_k η(ξ_k) ln r is the steady gain again.
 
-use crate::model::error::ModelError;
+use crate::model::ModelError;
 
 /// η(ξ_k) in K/W at every rate of an ascending mesh.
 ///

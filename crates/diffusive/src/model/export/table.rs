@@ -7,7 +7,7 @@ use nalgebra::Complex;
 
 use super::cauer::{cauer, structure_function};
 use super::{foster, response, symbol};
-use crate::model::error::ModelError;
+use crate::model::ModelError;
 use crate::model::pair_class::PairClass;
 
 /// Named columns of numbers.

@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 
 use dr_core::model::ORDER;
 
+use crate::model::ModelError;
 use crate::model::content::Model;
-use crate::model::error::ModelError;
 use crate::model::pair_class::{PairClass, element};
 
 /// Rates and resistances padded to the board's order: further rates, each twice the one before,

@@ -15,8 +15,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
 use rand_distr::{Distribution as _, Uniform};
 
+use crate::model::ModelError;
 use crate::model::content::Model;
-use crate::model::error::ModelError;
 
 /// Under one input.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]

@@ -26,8 +26,8 @@ use self::fit::{Fit, ReductionProblem, merged};
 pub use self::loss::{Difference, Loss, Reduced};
 pub use self::report::ReductionReport;
 use self::target::ReductionTarget;
+use super::ModelError;
 use super::content::{Class, Model, Pair};
-use super::error::ModelError;
 use super::pair_class::name;
 
 /// How rates are placed.

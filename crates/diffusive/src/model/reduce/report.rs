@@ -5,8 +5,8 @@ use std::fmt::{self, Display, Formatter};
 use serde::Serialize;
 
 use super::loss::{Loss, Reduced};
+use crate::model::ModelError;
 use crate::model::content::{Class, Model, Pair};
-use crate::model::error::ModelError;
 
 /// What a reduction made and what it loses. It prints as a summary, and serialises to the keys of
 /// `anemo model reduce --json`.
