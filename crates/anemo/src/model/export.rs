@@ -17,7 +17,8 @@ Tables are CSV with units in their names; without -o the export goes to stdout.
 Examples:
   anemo model export sector1.json --as foster --pair sector1:sector1
   anemo model export heater.json --as response --points 400 -o bode.csv
-  anemo model export winds.json --as spice --network cauer --class gust -o gust.lib
+  anemo model export winds.json --as spice --network cauer --class gust \\
+      -o gust.lib
   anemo model export small.json --as c -o small.h")]
 pub struct Arguments {
     /// The model: a .json file of `anemo identify` or `anemo model`.
