@@ -1,16 +1,17 @@
 //! From a head, its quiescent-gas network and its steady winds to the calibrated head.
 
+use diffusive::model::Model;
 use dr_core::wind::{HeadForm, SurfaceConfig};
 use recording::RecordingError;
 use recording::text::count;
 
+use super::card;
+use super::card::calibration::CardCalibration;
 use super::card::drawn::DrawnCard;
-use super::card::{self, calibration::CardCalibration};
 use super::cross_validation::{CrossValidation, Scheme};
 use super::drawn::{DrawnOptions, drawn, named};
-use super::error::{CalibrateError, CalibratorError};
 use super::steady_table::SteadyTable;
-use super::steady_wind::SteadyWind;
+use super::steady_wind::{CalibrateError, CalibratorError, SteadyWind};
 use super::steady_winds::{ObservedHead, SteadyWindSearch};
 use super::surfaces::calibration::SurfaceCalibration;
 use super::surfaces::choice::{ConvectionOptions, chosen};
@@ -18,13 +19,12 @@ use super::surfaces::cross_validation::cross_validate;
 use super::surfaces::readings::{DrawnSurfaces, LossLaw};
 use super::surfaces::solve::calibrate;
 use super::uncertainty::uncertainty;
+
 use crate::gas::Species;
-use crate::head::calibration::conditions::CalibrationConditions;
-use crate::head::calibration::table::{CalibrationTable, SurfaceTable, UncertaintyTable};
+use crate::head::calibration::table::{CalibrationConditions, CalibrationTable, SurfaceTable, UncertaintyTable};
 use crate::head::file::Head;
 use crate::network::parameters::QuiescentNetwork;
 use crate::wind::given_winds::GivenWinds;
-use diffusive::model::Model;
 
 /// Greatest number of folds of the cross-validation.
 const FOLDS: usize = 10;
@@ -368,11 +368,11 @@ fn card(head: &Head, options: &DrawnOptions) -> Result<Option<(Vec<usize>, Drawn
 mod tests {
     use std::path::Path;
 
+    use super::super::drawn::surfaces_of;
+    use super::super::steady_wind::SurfaceReading;
+    use super::super::surfaces::readings::DrawnSurface;
+    use super::super::surfaces::sought::SoughtConvection;
     use super::*;
-    use crate::calibrate::drawn::surfaces_of;
-    use crate::calibrate::steady_wind::SurfaceReading;
-    use crate::calibrate::surfaces::readings::DrawnSurface;
-    use crate::calibrate::surfaces::sought::SoughtConvection;
     use crate::gas::IdealGas;
     use crate::vector::{dot, unit};
 

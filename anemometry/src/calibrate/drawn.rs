@@ -1,14 +1,16 @@
 //! A head as drawn: what its surfaces belong to, and which part of it each of them is.
 
+use std::f64::consts::PI;
+
 use dr_core::ConfigError;
 use dr_core::wind::nusselt::ORDERS;
 use dr_core::wind::{HeadForm, MOST_SURFACES, NusseltSurface, SurfaceConfig, sphere};
 use recording::text::suggest;
-use std::f64::consts::PI;
 
-use super::error::CalibratorError;
+use super::steady_wind::CalibratorError;
 use super::surfaces::readings::{DrawnSurface, DrawnSurfaces, LossLaw};
 use super::surfaces::sought::{Gravity, SoughtConvection};
+
 use crate::head::body::Correlation;
 use crate::head::file::Head;
 use crate::vector::{across, cross, dot, length, unit};

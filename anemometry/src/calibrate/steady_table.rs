@@ -16,21 +16,22 @@
 
 use std::path::Path;
 
+use diffusive::model::Conditions;
 use dr_core::control::MOST_ELEMENTS;
 use dr_core::model::{ConvectionObserverState, TickInput};
 use dr_core::sensor::Level;
-
-use super::steady_wind::{SteadyWind, SurfaceReading};
-use super::steady_winds::{BANDWIDTH_HZ, ObservedHead};
-use crate::gas::{IdealGas, Species, ZERO_CELSIUS_K};
-use crate::head::element::HeadElement;
-use crate::head::file::Head;
-use crate::network::parameters::{CrossHeatingParameters, QuiescentNetwork, ReadingNoise, SelfHeatingParameters};
-use diffusive::model::Conditions;
 use recording::text::tidy;
 use recording::{
     EVENT, GAS_TEMPERATURE, GIVEN_WIND, POWER, Recording, RecordingError, RecordingReader, TEMPERATURE, TIME,
 };
+
+use super::steady_wind::{SteadyWind, SurfaceReading};
+use super::steady_winds::{BANDWIDTH_HZ, ObservedHead};
+
+use crate::gas::{IdealGas, Species, ZERO_CELSIUS_K};
+use crate::head::element::HeadElement;
+use crate::head::file::Head;
+use crate::network::parameters::{CrossHeatingParameters, QuiescentNetwork, ReadingNoise, SelfHeatingParameters};
 
 const SPEED: &str = "speed_m_s";
 const ANGLE: &str = "angle_deg";

@@ -3,10 +3,13 @@
 
 use std::path::{Path, PathBuf};
 
+use diffusive::model::Conditions;
 use dr_core::control::MOST_ELEMENTS;
 use dr_core::model::{ConvectionObserver, ConvectionObserverState, TickInput};
+use recording::RecordingError;
 
 use super::steady_wind::{SteadyWind, SurfaceReading};
+
 use crate::gas::{IdealGas, Species, ZERO_CELSIUS_K};
 use crate::head::file::Head;
 use crate::network::observer::NetworkObserver;
@@ -15,8 +18,6 @@ use crate::wind::given_winds::GivenWinds;
 use crate::wind::moment::{Moment, TickOrigin};
 use crate::wind::off_line::standing_w;
 use crate::wind::replay::Replay;
-use diffusive::model::Conditions;
-use recording::RecordingError;
 
 /// Bandwidth of the convective powers, Hz: a calibration has time.
 pub const BANDWIDTH_HZ: f64 = 0.5;

@@ -1,14 +1,14 @@
 //! How several instruments answer to winds from everywhere, fitted to known winds.
 
 use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen, Vector3};
+use recording::text;
 use serde::{Deserialize, Serialize};
 
-use super::direction_fit::{DirectionFit, KnownDirections};
 use super::instrument::{InstrumentKind, InstrumentReading, variance};
 use super::readings::KnownWind;
-use super::space::WindSpace;
+use super::space::{DirectionFit, KnownDirections, WindSpace};
+
 use crate::vector::{dot, length, unit};
-use recording::text;
 
 /// A component whose size is a smaller share of the greatest is none.
 const NO_COMPONENT: f64 = 1e-3;

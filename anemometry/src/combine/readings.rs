@@ -7,8 +7,8 @@ use nalgebra::{Matrix3, Vector3};
 use recording::wind::{DIRECTION_UNCERTAINTY, QUALITY_FLAGS, SPEED_UNCERTAINTY, WIND_ESTIMATE, WIND_SPEED};
 use recording::{EVENT, RAW_CONDUCTANCE, Recording, RecordingError, TIME, TRUE_WIND};
 
-use super::instrument::{InstrumentKind, InstrumentReading};
-use super::vane::Vane;
+use super::instrument::{InstrumentKind, InstrumentReading, Vane};
+
 use crate::vector::length;
 use crate::wind::comparison::SLOWEST_M_S;
 use crate::wind::given_winds::GivenWinds;

@@ -7,11 +7,11 @@ use recording::text::count;
 use serde::Serialize;
 
 use super::combination::{Combination, CombineError};
-use super::direction_fit::KnownDirections;
 use super::estimate::{CombinedWind, Combiner, chi_square_99};
 use super::instrument::InstrumentKind;
 use super::readings::{CombinedReadings, KnownWind, RowsThatCount};
-use super::space::WindSpace;
+use super::space::{KnownDirections, WindSpace};
+
 use crate::vector::{angle_deg, length, unit};
 use crate::wind::comparison::ErrorSum;
 

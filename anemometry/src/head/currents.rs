@@ -5,6 +5,7 @@ use recording::toml_file::FileError;
 use toml::de::{DeTable, DeValue};
 
 use super::file::Head;
+
 use crate::current_ratio::CurrentRatioError;
 
 /// Significant digits of a current that is written; f32 has seven.

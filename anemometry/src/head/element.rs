@@ -1,16 +1,17 @@
-//! An element of a head: one platinum resistor that heats and senses.
+//! An element of a head, one platinum resistor that heats and senses, with its data sheet in f64.
 
 use std::collections::BTreeMap;
 
 use dr_core::ConfigError;
 use dr_core::control::{ElementConfig, EnergyLimit, Limits};
 use dr_core::sensor::{Channel, Level, Platinum};
-
-use super::nominal::{NominalElement, PlatinumKind};
-use super::table::ElementTable;
-use crate::vector::length;
 use recording::text::suggest;
 use recording::toml_file::{FileError, TomlSource};
+use serde::Deserialize;
+
+use super::file::ElementTable;
+
+use crate::vector::length;
 
 /// More layers than a record can tell apart.
 const MOST_LAYERS: u8 = 3;
@@ -227,4 +228,33 @@ pub(super) fn direction(source: &TomlSource, key: &str, vector: [f64; 3]) -> Res
         return Err(source.refuse(key, "is no direction: three finite numbers that are not all 0 belong here"));
     }
     Ok(vector.map(|x| x / length))
+}
+
+/// Nominal characteristic of a platinum resistor, as a head file has it.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(tag = "characteristic", rename_all = "lowercase", deny_unknown_fields)]
+pub enum PlatinumKind {
+    /// R = R0 (1 + αT).
+    Linear {
+        /// R0, Ω.
+        resistance_0c_ohm: f64,
+        /// α, 1/°C.
+        coefficient_per_c: f64,
+    },
+    /// IEC 60751, whose coefficients are fixed.
+    Iec60751 {
+        /// R0, Ω.
+        resistance_0c_ohm: f64,
+    },
+}
+
+/// Nominal values of one element and its two currents.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NominalElement {
+    /// Resistor.
+    pub platinum: PlatinumKind,
+    /// Low level, A.
+    pub current_low_a: f64,
+    /// High level as it was made, A; the controller's may be measured.
+    pub current_high_a: f64,
 }

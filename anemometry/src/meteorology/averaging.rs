@@ -8,8 +8,7 @@ use recording::wind::{ESTIMATED_GAS, QUALITY_FLAGS, SPEED_UNCERTAINTY, WIND_ESTI
 use recording::{ColumnValues, RecordingColumn, RecordingError, RecordingReader, TIME, TRUE_WIND};
 
 use super::eddy::EddyOptions;
-use super::options::AveragingOptions;
-use super::report::{MeanInterval, MeteorologyReport};
+use super::report::{AveragingOptions, MeanInterval, MeteorologyReport};
 use super::wind_series::{EstimateSeries, SeriesEntry};
 
 /// Key of the metadata of a file of estimates.

@@ -1,14 +1,14 @@
-//! Averages as text, as JSON, and as a table.
+//! Options of averages; averages as text, as JSON, and as a table.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use recording::head_mounting::HeadMounting;
 use recording::text::{columns, count, listed, tidy};
 use recording::{Metadata, RecordingError, write_table};
 use serde::Serialize;
 
 use super::eddy::Sampled;
-use super::options::AveragingOptions;
 use super::wind_series::{LEAST_SHARE, WindStatistics};
 
 /// Intervals and reasons that a report names.
@@ -296,4 +296,23 @@ impl MeteorologyReport {
         }
         Ok(())
     }
+}
+
+/// Intervals, mounting, and what fluxes need.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AveragingOptions {
+    /// Length of an interval, s.
+    pub interval_s: f64,
+    /// Estimates before do not count, and the first interval begins there, s.
+    pub from_s: f64,
+    /// How the head is mounted; directions count from its x axis where that is not known.
+    pub mounting: Option<HeadMounting>,
+    /// Height above the ground, m, for fluxes.
+    pub height_m: Option<f64>,
+    /// Bandwidth of the wind, Hz, in place of that which the recording states.
+    pub bandwidth_hz: Option<f64>,
+    /// Bandwidth of the gas temperature, Hz.
+    pub temperature_bandwidth_hz: Option<f64>,
+    /// m/s².
+    pub gravity_m_s2: f64,
 }

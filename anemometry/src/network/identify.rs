@@ -24,17 +24,17 @@
 
 use std::path::Path;
 
-use dr_core::model::mesh;
-use rayon::prelude::*;
-
-use super::error::{NetworkError, NetworkIdentifyError};
-use super::plausible::residuals;
-use super::record::QuiescentRecord;
 use diffusive::identify::record::RecordTable;
 use diffusive::identify::{Constraints, DriftGiven, IdentifyOptions, InitialState, Progress, Signs, refine, symbol};
 use diffusive::model::merge::merge;
 use diffusive::model::{Model, Pair};
+use dr_core::model::mesh;
+use rayon::prelude::*;
 use recording::{POWER, RecordingError, TEMPERATURE};
+
+use super::from_model::residuals;
+use super::parameters::{NetworkError, NetworkIdentifyError};
+use super::record::QuiescentRecord;
 
 /// Rates of the mesh from which free ones start.
 const MESH: usize = 20;

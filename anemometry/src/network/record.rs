@@ -7,10 +7,11 @@
 
 use std::path::Path;
 
-use super::error::NetworkError;
 use diffusive::model::Conditions;
 use recording::text::listed;
 use recording::{POWER, Recording, RecordingError, STATE, TEMPERATURE, TRUE_WIND};
+
+use super::parameters::NetworkError;
 
 /// Share of the greatest range of power below which an element only measures.
 const MEASURES: f64 = 0.05;

@@ -9,7 +9,7 @@ use recording::text::count;
 use recording::{POWER, TEMPERATURE};
 use serde::Serialize;
 
-use super::ladder::{LadderSection, contact_time_s};
+use super::from_model::{LadderSection, contact_time_s};
 use super::parameters::{QuiescentNetwork, SelfHeatingParameters};
 
 /// Explains the lines of the elements.

@@ -29,12 +29,11 @@
 
 use dr_core::control::MOST_ELEMENTS;
 use dr_core::model::{ConvectionObserverState, TickInput, mesh};
+use recording::text::short;
 
-use super::error::NetworkError;
 use super::gain_schedule::{JUMP_W, LAST_PERIODS};
 use super::observer::NetworkObserver;
-use super::parameters::QuiescentNetwork;
-use recording::text::short;
+use super::parameters::{NetworkError, QuiescentNetwork};
 
 /// Each jump is followed for so many times as long as the last set of gains lasts.
 const FOLLOWED: f64 = 2.0;
@@ -267,8 +266,8 @@ impl<'a> SimulatedNetwork<'a> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::parameters::{CrossHeatingParameters, ReadingNoise, SelfHeatingParameters};
     use super::*;
-    use crate::network::parameters::{CrossHeatingParameters, ReadingNoise, SelfHeatingParameters};
 
     /// Four dice that share a card: the simulated REMS, as identified at 40 Hz.
     fn card() -> QuiescentNetwork {

@@ -11,22 +11,20 @@ use recording::text::tidy;
 use wire::WindSample;
 
 use super::comparison::WindComparison;
-use super::error::{CorrectedHeadError, WindError};
 use super::field_correction::{FieldCorrection, SlowErrorKind, SlowErrorReport, SlowErrorsUnknown, SlowEvidence};
 use super::gas_input::{GasInput, temperature_column};
 use super::gas_uncertainty::{GasReadingErrors, GasUncertainty};
 use super::given_winds::GivenWinds;
-use super::level_record::LevelRecord;
 use super::moment::{Moment, TickOrigin};
-use super::off_line::{OffLineAnemometer, axes};
+use super::off_line::{CorrectedHeadError, OffLineAnemometer, WindError, axes};
 use super::replay::Replay;
 use super::report::WindReport;
-use super::tally::EstimateTally;
-use super::unknown_heat::{UnknownHeat, contradiction};
+use super::tally::{EstimateTally, LevelRecord, UnknownHeat, contradiction};
+
 use crate::head::calibration::checked::Calibration;
-use crate::head::calibration::correction::CorrectionTable;
+use crate::head::calibration::commands::WindOutput;
+use crate::head::calibration::table::CorrectionTable;
 use crate::head::file::Head;
-use crate::head::output::WindOutput;
 
 /// Share of a tick by which the output interval may be off.
 const WHOLE: f64 = 1e-3;

@@ -8,10 +8,11 @@ use diffusive::model::{SAME_PRESSURE, SAME_TEMPERATURE_K};
 use recording::{GAS_TEMPERATURE, Metadata};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
-use super::error::GasInputError;
 use super::gas_uncertainty::GasUncertainty;
 use super::moment::Moment;
+use super::off_line::GasInputError;
 use super::replay::Replay;
+
 use crate::gas::{GasError, ZERO_CELSIUS_K, check_pressure, check_temperature};
 use crate::head::calibration::checked::Calibration;
 use crate::head::file::Head;

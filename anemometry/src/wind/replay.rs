@@ -10,9 +10,6 @@
 
 use std::path::{Path, PathBuf};
 
-use super::error::RecordedHeadError;
-use super::moment::{ElementReading, Moment, TickOrigin, Ticks, run_state};
-use crate::head::file::Head;
 use diffusive::model::Conditions;
 use recording::text::{suggest, tidy};
 use recording::toml_file::TomlSource;
@@ -20,6 +17,11 @@ use recording::{
     ColumnValues, EVENT, GAS_TEMPERATURE, HEATER, POWER, RecordingColumn, RecordingError, RecordingReader, STATE,
     TEMPERATURE, TIME, TRUE_WIND,
 };
+
+use super::moment::{ElementReading, Moment, TickOrigin, Ticks, run_state};
+use super::off_line::RecordedHeadError;
+
+use crate::head::file::Head;
 
 /// Moments are `AfterGap` for so many times as long as the gap lasted.
 const AFTER_GAP: f64 = 10.0;

@@ -10,9 +10,9 @@ use serde::ser::{SerializeMap, Serializer};
 use super::comparison::WindComparison;
 use super::field_correction::SlowErrorReport;
 use super::gas_input::GasInput;
-use super::tally::EstimateSummary;
-use super::unknown_heat::UnknownHeat;
-use crate::head::output::WindOutput;
+use super::tally::{EstimateSummary, UnknownHeat};
+
+use crate::head::calibration::commands::WindOutput;
 
 /// Summary of `anemo wind`.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,7 +3,7 @@
 use anemometry::head::Head;
 use anemometry::wind::field_correction::{FieldCorrection, SlowErrorKind, SlowEvidence};
 use anemometry::wind::gas_uncertainty::GasUncertainty;
-use anemometry::wind::live::LiveRows;
+use anemometry::wind::moment::LiveRows;
 use anemometry::wind::moment::Moment;
 use host_sim::experiment::Experiment;
 use wire::WindSample;

@@ -10,22 +10,21 @@ use dr_core::wind::free_stream::STEM_KNOTS;
 use dr_core::wind::nusselt::POINTS;
 use dr_core::wind::{ConvectionSettings, HeadForm, MeasuredConductance, SurfaceConfig, WindVector};
 use nalgebra::{DMatrix, Matrix3, SymmetricEigen, Vector3};
+use recording::text::{count, estimate, short};
 use serde::Serialize;
 
 use super::super::drawn::DrawnOptions;
-use super::super::error::WorstReading;
-use super::super::steady_wind::SurfaceReading;
+use super::super::steady_wind::{SurfaceReading, WorstReading};
 use super::equations::{QUIESCENT, SurfaceEquations, SurfaceProblem};
 use super::family::AmplitudeShape;
-use super::fit::SurfaceFit;
-use super::grade::{ADVICE, CalibrationGrade};
-use super::king::FittedKing;
+use super::fit::{ADVICE, CalibrationGrade, SurfaceFit};
+use super::readings::chord;
+use super::solve::FittedKing;
 use super::sought::SoughtConvection;
-use super::stream::chord;
+
 use crate::gas::ZERO_CELSIUS_K;
 use crate::head::calibration::table::{ConvectionModelTable, NusseltTable, PropertyTemperature, RiseTable, StemTable};
 use crate::vector::length;
-use recording::text::{count, estimate, short};
 
 /// Nusselt numbers beyond so many times published ones are those of wrong units.
 const UNLIKELY: f64 = 5.0;

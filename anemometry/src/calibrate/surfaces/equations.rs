@@ -22,8 +22,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::family::{AmplitudeFamily, AmplitudeShape, BasisAt, SIZE};
 use super::mounting::Mounting;
-use super::readings::{CheckedReading, CheckedWind, SurfaceGeometry};
-use super::stream::met_m_s;
+use super::readings::{CheckedReading, CheckedWind, SurfaceGeometry, met_m_s};
 
 /// Relative standard error of γ before any reading: a reference gas some 20 K from the mean one,
 /// and the areas as drawn, make half of it.

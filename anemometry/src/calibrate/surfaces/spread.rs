@@ -28,11 +28,11 @@ use dr_core::wind::HeadForm;
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 use recording::text::count;
 
-use super::super::compared::{ReynoldsRange, digits};
+use super::super::cross_validation::{ReynoldsRange, digits};
+
+use super::family::LEAST_COUNT;
 use super::mounting::Mounting;
-use super::readings::{CheckedWind, SurfaceGeometry};
-use super::speeds::{ascending, classes, distinct};
-use super::spline;
+use super::readings::{CheckedWind, SurfaceGeometry, ascending, classes, distinct};
 
 const LEAST_RANGE: f64 = 2.0;
 /// A ratio of neighbouring speeds: an octave, and what a tunnel misses it by.
@@ -98,8 +98,8 @@ fn joined(classes: Vec<(ReynoldsRange, Vec<String>)>) -> Vec<String> {
 
 fn few(head: &SurfaceGeometry<'_>, winds: &[CheckedWind]) -> Vec<String> {
     let n = head.surfaces.len();
-    let unknowns = spline::LEAST_COUNT * head.orders.len() + 2 * n - 1
-        + Mounting::drawn(head.form(), &head.surfaces).turns.ncols();
+    let unknowns =
+        LEAST_COUNT * head.orders.len() + 2 * n - 1 + Mounting::drawn(head.form(), &head.surfaces).turns.ncols();
     if n * winds.len() >= unknowns {
         return Vec::new();
     }

@@ -1,14 +1,14 @@
 //! What the wind sees of a body, read from its table: laws with possible sizes, surfaces with the
 //! normals that a law needs.
 
-use super::correlation::Correlation;
-use super::parts::{BodyLink, BodySurface, Convection};
-use super::reader::{BodyReader, GREATEST, LEAST, LONGEST_M};
-use super::table::{BodySurfaceTable, ConvectionTable};
-use super::ways::way;
-use crate::head::element::direction;
-use crate::vector::{cross, length, unit};
 use recording::toml_file::FileError;
+
+use super::super::element::direction;
+use super::parts::{BodyLink, BodySurface, Convection, way};
+use super::reader::{BodyReader, GREATEST, LEAST, LONGEST_M};
+use super::table::{BodySurfaceTable, ConvectionTable, Correlation};
+
+use crate::vector::{cross, length, unit};
 
 impl BodyReader<'_> {
     pub fn convection(

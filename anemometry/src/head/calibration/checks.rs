@@ -10,14 +10,14 @@ use dr_core::model::ORDER;
 use dr_core::model::convection_observer::config::CROSS_ORDER;
 use dr_core::wind::card_inverse::DICE;
 use dr_core::wind::{ConvectionSettings, HeadForm, Nusselt, NusseltSurface};
-
-use super::checked::Calibration;
-use super::conditions::CalibrationConditions;
-use super::table::{CalibrationTable, ConvectionModelTable, UncertaintyTable};
-use crate::gas::{TEMPERATURE_RANGE_K, ZERO_CELSIUS_K};
-use crate::head::element::HeadElement;
 use recording::toml_file::{FileError, TomlSource};
 use recording::utc;
+
+use super::super::element::HeadElement;
+use super::checked::Calibration;
+use super::table::{CalibrationConditions, CalibrationTable, ConvectionModelTable, UncertaintyTable};
+
+use crate::gas::{TEMPERATURE_RANGE_K, ZERO_CELSIUS_K};
 
 /// Temperatures of a gas whose properties are known, °C.
 pub(super) const GAS_C: std::ops::RangeInclusive<f64> =

@@ -107,7 +107,7 @@ fn celsius([least, most]: [f64; 2]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::conditions::CalibrationConditions;
+    use super::super::table::CalibrationConditions;
     use super::*;
     use crate::head::file::Head;
 

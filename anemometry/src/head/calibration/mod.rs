@@ -22,24 +22,14 @@
 //! |---|---|
 //! | [`table`] | the tables as they are written |
 //! | `checks` | what is refused |
-//! | [`checked`] | a checked calibration |
-//! | `ageing` | its day, version, and a scale of its speed |
-//! | [`correction`] | corrections that the head carries, as they are written |
-//! | `corrected` | a calibration with them |
-//! | [`conditions`] | what it was made in |
+//! | [`checked`] | a checked calibration: its age, its corrections, and its way to the file |
 //! | `differences` | what follows in other conditions |
 //! | [`commands`] | it as commands of the board's anemometer |
-//! | `new` | a calibration that was just made, on its way to the file |
 
-mod ageing;
 pub mod checked;
 mod checks;
 pub mod commands;
-pub mod conditions;
-mod corrected;
-pub mod correction;
 mod differences;
-mod new;
 pub mod table;
 
 pub use checks::{DIAMETER_M, DIRECTION_ERROR_MAX_DEG};

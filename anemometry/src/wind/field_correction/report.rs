@@ -5,9 +5,7 @@ use std::fmt;
 use dr_core::wind::sphere::SECTORS;
 use serde::Serialize;
 
-use super::correction::{FieldCorrection, OverheatFinding};
-use super::kind::SlowErrorKind;
-use super::open::open_errors;
+use super::correction::{FieldCorrection, OverheatFinding, SlowErrorKind, open_errors};
 
 /// Moments of the series.
 const MOMENTS: usize = 24;

@@ -9,7 +9,7 @@ use crate::thesis::record::rows;
 use anemometry::head::calibration::checked::Calibration;
 use anemometry::head::{Head, WindOutput};
 use anemometry::wind::gas_uncertainty::{GasReadingErrors, GasUncertainty};
-use anemometry::wind::live::LiveRows;
+use anemometry::wind::moment::LiveRows;
 use anemometry::wind::moment::Moment;
 use anemometry::wind::off_line::OffLineAnemometer;
 use host_sim::experiment::Experiment;

@@ -9,7 +9,7 @@ use anemometry::calibrate::drawn::DrawnOptions;
 use anemometry::head::Head;
 use anemometry::network::identify::{PolesPerPair, identify};
 use anemometry::network::record::QuiescentRecord;
-use anemometry::wind::live::LiveRows;
+use anemometry::wind::moment::LiveRows;
 use diffusive::model::Model;
 use host_sim::experiment::Experiment;
 use recording::{Collector, Metadata, RecordingLayout};
