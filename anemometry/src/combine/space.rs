@@ -49,10 +49,7 @@ impl WindSpace {
         let normal = eigen.eigenvectors.column(eigen.eigenvalues.imin());
         // Of the two normals of a plane the one whose greatest component is positive.
         let normal: [f64; 3] = (normal * normal[normal.iamax()].signum()).into();
-        match towards.iter().all(|of| dot(*of, normal).abs() < FLAT) {
-            true => Self::Across(normal),
-            false => Self::Everywhere,
-        }
+        if towards.iter().all(|of| dot(*of, normal).abs() < FLAT) { Self::Across(normal) } else { Self::Everywhere }
     }
 
     /// Components of a wind.

@@ -111,12 +111,9 @@ impl MeteorologyReport {
             table.push((name, of(&number)));
         }
         if self.intervals.iter().any(|of| of.statistics.as_ref().is_some_and(|of| of.fluxes.is_some())) {
-            for (name, flux) in FLUXES {
+            for (name, uncertainty, flux) in FLUXES {
                 table.push((name, of(&|of| flux(of).map(|of| of.value))));
-                table.push((
-                    UNCERTAINTIES[FLUXES.iter().position(|(own, _)| *own == name).unwrap_or(0)],
-                    of(&|of| flux(of).map(|of| of.u)),
-                ));
+                table.push((uncertainty, of(&|of| flux(of).map(|of| of.u))));
             }
         }
         let time_s: Vec<f64> = self.intervals.iter().map(|of| of.begin_s).collect();
@@ -142,13 +139,12 @@ const NUMBERS: [(&str, Number); 9] = [
 ];
 
 /// Columns of fluxes, and of their uncertainties.
-const FLUXES: [(&str, Flux); 4] = [
-    ("uw_m2_s2", |of| of.fluxes.as_ref()?.uw_m2_s2),
-    ("friction_velocity_m_s", |of| of.fluxes.as_ref()?.friction_velocity_m_s),
-    ("heat_flux_k_m_s", |of| of.fluxes.as_ref()?.heat_flux_k_m_s),
-    ("obukhov_length_m", |of| of.fluxes.as_ref()?.obukhov_length_m),
+const FLUXES: [(&str, &str, Flux); 4] = [
+    ("uw_m2_s2", "uw_u_m2_s2", |of| of.fluxes.as_ref()?.uw_m2_s2),
+    ("friction_velocity_m_s", "friction_velocity_u_m_s", |of| of.fluxes.as_ref()?.friction_velocity_m_s),
+    ("heat_flux_k_m_s", "heat_flux_u_k_m_s", |of| of.fluxes.as_ref()?.heat_flux_k_m_s),
+    ("obukhov_length_m", "obukhov_length_u_m", |of| of.fluxes.as_ref()?.obukhov_length_m),
 ];
-const UNCERTAINTIES: [&str; 4] = ["uw_u_m2_s2", "friction_velocity_u_m_s", "heat_flux_u_k_m_s", "obukhov_length_u_m"];
 
 impl MeteorologyComparison {
     fn of(intervals: &[MeanInterval]) -> Option<Self> {

@@ -40,7 +40,6 @@ pub struct SelfHeatingParameters {
     /// R_k
     pub r_k_per_w: Vec<f64>,
     /// m_k; `None` for an element without a surface in the wind.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surface: Option<Vec<f64>>,
     /// Layers between the element and its surface; a head file has none, as the shares m_k say all
     /// that the board needs of them.

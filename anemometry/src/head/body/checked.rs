@@ -7,9 +7,9 @@ use recording::toml_file::{FileError, TomlSource};
 use toml::Value;
 
 use super::super::element::HeadElement;
-use super::parts::{BodyLink, BodyNode, BodySurface, Convection, UnknownNumber, neighbours, ways};
+use super::parts::{BodyLink, BodyNode, BodySurface, Convection, neighbours, ways};
 use super::reader::BodyReader;
-use super::table::{BodyGas, BodyTable, Tolerances, UnknownTable};
+use super::table::{BodyGas, BodyTable, Tolerances, UnknownNumber};
 
 use crate::gas::{IdealGas, ZERO_CELSIUS_K};
 
@@ -56,7 +56,7 @@ impl Body {
             convection,
             gas: table.gas,
             tolerances: table.tolerances,
-            unknown: unknown_numbers(source, &table.unknown)?,
+            unknown: unknown_numbers(source, table.unknown.clone())?,
         };
         checked.check(source)?;
         Ok(checked)
@@ -129,23 +129,17 @@ impl Body {
 ///
 /// # Errors
 /// If nothing or no number stands there, or it is beyond its range.
-fn unknown_numbers(source: &TomlSource, tables: &[UnknownTable]) -> Result<Vec<UnknownNumber>, FileError> {
+fn unknown_numbers(source: &TomlSource, mut all: Vec<UnknownNumber>) -> Result<Vec<UnknownNumber>, FileError> {
     let mut document: Value = source.parse()?;
-    let mut all = Vec::new();
-    for (i, UnknownTable { of, least, most }) in tables.iter().enumerate() {
+    for (i, UnknownNumber { of, value, least, most }) in all.iter_mut().enumerate() {
         let key = format!("body.unknown[{i}]");
-        let value = place(&mut document, of).and_then(|value| match value {
-            Value::Float(number) => Some(*number),
-            Value::Integer(number) => Some(*number as f64),
-            _ => None,
-        });
-        let value = value.ok_or_else(|| source.refuse(&key, format!("names `{of}`, where no number stands")))?;
-        if !(least.is_finite() && *least > 0.0 && most.is_finite() && least < most && (*least..=*most).contains(&value))
-        {
+        let stands =
+            place(&mut document, of).and_then(|stands| stands.as_float().or(stands.as_integer().map(|n| n as f64)));
+        *value = stands.ok_or_else(|| source.refuse(&key, format!("names `{of}`, where no number stands")))?;
+        if !(*least > 0.0 && most.is_finite() && least < most && (*least..=*most).contains(value)) {
             let sentence = format!("has `{of}` between {least} and {most}: above 0, and around its {value}");
             return Err(source.refuse(&key, sentence));
         }
-        all.push(UnknownNumber { of: of.clone(), value, least: *least, most: *most });
     }
     Ok(all)
 }

@@ -33,8 +33,10 @@ mod reader;
 pub mod table;
 
 pub use checked::Body;
-pub use parts::{BodyElement, BodyLink, BodyNode, BodySurface, Convection, UnknownNumber};
-pub use table::{BoomShape, Correlation, CylinderShape, KingLaw, NusseltGrid, PlateShape, WireLaw, WireShape};
+pub use parts::{BodyElement, BodyLink, BodyNode, BodySurface, Convection};
+pub use table::{
+    BoomShape, Correlation, CylinderShape, KingLaw, NusseltGrid, PlateShape, UnknownNumber, WireLaw, WireShape,
+};
 
 #[cfg(test)]
 mod tests;

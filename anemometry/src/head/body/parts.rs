@@ -90,19 +90,6 @@ pub struct BodySurface {
     pub carries: Vec<usize>,
 }
 
-/// A number that nobody has published.
-#[derive(Clone, Debug, PartialEq)]
-pub struct UnknownNumber {
-    /// Where it stands in the file.
-    pub of: String,
-    /// What the file has.
-    pub value: f64,
-    /// Least that it can be.
-    pub least: f64,
-    /// Most that it can be.
-    pub most: f64,
-}
-
 /// Ends of every link.
 pub(super) fn ways(links: &[BodyLink]) -> impl Iterator<Item = (usize, Option<usize>)> + '_ {
     links.iter().flat_map(|link| match link {

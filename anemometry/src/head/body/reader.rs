@@ -113,9 +113,8 @@ impl<'a> BodyReader<'a> {
 
     pub fn links(&self, tables: &[LinkTable]) -> Result<Vec<BodyLink>, FileError> {
         let mut links = Vec::new();
-        for (i, table) in tables.iter().enumerate() {
-            self.link(&format!("body.links[{i}]"), table, &mut links)?;
-        }
+        let mut each = tables.iter().enumerate();
+        each.try_for_each(|(i, table)| self.link(&format!("body.links[{i}]"), table, &mut links))?;
         Ok(links)
     }
 

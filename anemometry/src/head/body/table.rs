@@ -30,7 +30,7 @@ pub struct BodyTable {
     pub tolerances: Option<Tolerances>,
     /// Numbers that nobody has published.
     #[serde(default)]
-    pub unknown: Vec<UnknownTable>,
+    pub unknown: Vec<UnknownNumber>,
 }
 
 /// An entry of `nodes`
@@ -127,12 +127,15 @@ pub struct Tolerances {
     pub normal_deg: f64,
 }
 
-/// An entry of `unknown`
+/// An entry of `unknown`: a number that nobody has published.
 #[derive(Deserialize, Clone, Debug, PartialEq)]
 #[serde(deny_unknown_fields)]
-pub struct UnknownTable {
+pub struct UnknownNumber {
     /// Where it stands in the file: dotted, with `[n]` for the n-th of an array.
     pub of: String,
+    /// Value in the file.
+    #[serde(skip)]
+    pub value: f64,
     /// Least that it can be.
     pub least: f64,
     /// Most that it can be.

@@ -99,10 +99,7 @@ fn middle([least, most]: [f64; 2]) -> f64 {
 }
 
 fn celsius([least, most]: [f64; 2]) -> String {
-    match most - least < 1.0 {
-        true => format!("{:.1} °C", 0.5 * (least + most)),
-        false => format!("{least:.1} to {most:.1} °C"),
-    }
+    if most - least < 1.0 { format!("{:.1} °C", 0.5 * (least + most)) } else { format!("{least:.1} to {most:.1} °C") }
 }
 
 #[cfg(test)]

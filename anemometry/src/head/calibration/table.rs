@@ -22,20 +22,16 @@ pub struct CalibrationTable {
     /// Recordings and cross-validation of the calibration, in words.
     pub made_from: String,
     /// Day of its recordings, as 2026-03-01, where they state it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub made_on: Option<String>,
     /// Its version; 1 if it does not state one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub version: Option<u32>,
     /// The calibration that this one was made of by a scale, in words.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub former: Option<String>,
     /// The gas that it holds for.
     pub species: Species,
     /// Temperature of the gas of the quiescent-gas network, °C.
     pub reference_gas_c: f64,
     /// Temperature of the support in the records of the quiescent-gas network, °C, if they say it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub support_c: Option<f64>,
     /// What the surfaces belong to; without the key parts of a sphere, or dice.
     #[serde(default, skip_serializing_if = "is_sphere")]
@@ -45,25 +41,18 @@ pub struct CalibrationTable {
     /// Directions that are more uncertain are flagged as none, °.
     pub direction_error_max_deg: f64,
     /// The element that measures the gas.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference: Option<String>,
     /// How conductances depend on the wind, but of a card.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nusselt: Option<NusseltTable>,
     /// The same of a card.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub card: Option<CardTable>,
     /// How the convection is taken.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub convection: Option<ConvectionModelTable>,
     /// In which gas and at which temperatures it was made; older heads do not state it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub conditions: Option<CalibrationConditions>,
     /// What it adds to the uncertainty of the wind.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<UncertaintyTable>,
     /// Slow errors that are taken out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub correction: Option<CorrectionTable>,
     /// Surfaces, in the head's order.
     #[serde(default)]
@@ -382,7 +371,6 @@ pub struct CorrectionTable {
     /// What was sought in which recordings, in words.
     pub made_from: String,
     /// Day of the last of them, as 2026-03-01, if it states one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub made_on: Option<String>,
     /// Of every surface, in the order of the calibration's.
     pub surfaces: Vec<SurfaceCorrectionTable>,
