@@ -162,9 +162,6 @@ impl fmt::Display for CalibrationReport {
         for ConductanceNoise { bandwidth_hz, sd_w_k } in &self.noise {
             writeln!(f, "{bandwidth_hz:>6} Hz  {:>10} mW/K", short(1e3 * sd_w_k, 3))?;
         }
-        if let Some(path) = &self.written {
-            writeln!(f, "\nhead written to {}", path.display())?;
-        }
-        Ok(())
+        self.written.iter().try_for_each(|path| writeln!(f, "\nhead written to {}", path.display()))
     }
 }

@@ -104,21 +104,15 @@ pub enum CalibrateError {
         "{} of the winds, such as `{}`, come from where the wires see the same as from in front: from behind their normals, or \
          from outside the quadrant between two normals that stand at right angles; turn the normals or the frame of the winds, or leave such \
          winds out",
-        labels.len(), labels[0]
+        .0.len(), .0[0]
     )]
-    Mirrored {
-        /// Of these winds; at least one.
-        labels: Vec<String>,
-    },
+    Mirrored(Vec<String>),
     /// What fits tells no direction.
     #[error(
-        "directions that were left out of the fit come out {rms_deg:.0}° wrong, rms: check the frame of the winds, the normals \
+        "directions that were left out of the fit come out {0:.0}° wrong, rms: check the frame of the winds, the normals \
          and the order of the surfaces"
     )]
-    Direction {
-        /// Of the cross-validation, °.
-        rms_deg: f64,
-    },
+    Direction(f64),
     /// dr-core refuses the curves.
     #[error(
         "the amplitudes that fit best do not tell a wind: {0}; check the order of the surfaces and the signs of the winds"

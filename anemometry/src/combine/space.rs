@@ -54,26 +54,17 @@ impl WindSpace {
 
     /// Components of a wind.
     pub const fn dimensions(self) -> usize {
-        match self {
-            Self::Everywhere => 3,
-            Self::Across(_) => 2,
-        }
+        if matches!(self, Self::Everywhere) { 3 } else { 2 }
     }
 
     /// Greatest degree that is of use.
     pub const fn most_degree(self) -> usize {
-        match self {
-            Self::Everywhere => 8,
-            Self::Across(_) => 24,
-        }
+        if matches!(self, Self::Everywhere) { 8 } else { 24 }
     }
 
     /// How many functions there are up to a degree.
     pub const fn count(self, degree: usize) -> usize {
-        match self {
-            Self::Everywhere => (degree + 1) * (degree + 1),
-            Self::Across(_) => 2 * degree + 1,
-        }
+        if matches!(self, Self::Everywhere) { (degree + 1) * (degree + 1) } else { 2 * degree + 1 }
     }
 
     /// All functions up to a degree in a direction, a unit vector.
@@ -90,10 +81,7 @@ impl WindSpace {
 
     /// From one of so many even directions to the next, °.
     pub fn step_deg(self, count: usize) -> f64 {
-        match self {
-            Self::Everywhere => (4.0 * PI / count as f64).sqrt().to_degrees(),
-            Self::Across(_) => 360.0 / count as f64,
-        }
+        if self == Self::Everywhere { (4.0 * PI / count as f64).sqrt().to_degrees() } else { 360.0 / count as f64 }
     }
 
     /// So many directions, evenly spread.

@@ -96,20 +96,18 @@ impl ElementKeys<'_> {
 
     fn number(&self, name: &str, of: impl Fn(&ElementTable) -> Option<f64>) -> Result<f64, FileError> {
         let (number, key) = self.get(name, of)?;
-        if number.is_finite() {
-            Ok(number)
-        } else {
-            Err(self.source.refuse(&key, format!("is {number}: it must be finite")))
+        if !number.is_finite() {
+            return Err(self.source.refuse(&key, format!("is {number}: it must be finite")));
         }
+        Ok(number)
     }
 
     fn layers(&self) -> Result<usize, FileError> {
         // Neither the element nor its kind has to give any.
         let Ok((layers, key)) = self.get("layers", |table| table.layers) else { return Ok(0) };
         if layers > MOST_LAYERS {
-            return Err(self
-                .source
-                .refuse(&key, format!("is {layers}: between an element and its surface are 0 to {MOST_LAYERS}")));
+            let sentence = format!("is {layers}: between an element and its surface are 0 to {MOST_LAYERS}");
+            return Err(self.source.refuse(&key, sentence));
         }
         Ok(usize::from(layers))
     }
@@ -120,36 +118,32 @@ impl ElementKeys<'_> {
 
     /// What the element bears, if it or its kind says so.
     fn energy(&self) -> Result<Option<EnergyLimit>, FileError> {
-        let is_stated = |of: fn(&ElementTable) -> Option<f64>| {
-            of(self.own).is_some() || self.shared.as_ref().is_some_and(|(_, kind)| of(kind).is_some())
-        };
-        if !is_stated(|table| table.sustained_power_w) && !is_stated(|table| table.energy_j) {
+        let power_w = || self.number("sustained_power_w", |table| table.sustained_power_w);
+        if self.get("energy_j", |table| table.energy_j.or(table.sustained_power_w)).is_err() {
             return Ok(None);
         }
-        Ok(Some(EnergyLimit {
-            sustained_power_w: self.number("sustained_power_w", |table| table.sustained_power_w)? as f32,
-            energy_j: self.number("energy_j", |table| table.energy_j)? as f32,
-        }))
+        let energy_j = || self.number("energy_j", |table| table.energy_j);
+        Ok(Some(EnergyLimit { sustained_power_w: power_w()? as f32, energy_j: energy_j()? as f32 }))
     }
 
     /// The error of dr-core for one of this element's numbers.
     fn refuse(&self, key: &str, error: &ConfigError) -> FileError {
-        self.source
-            .refuse(key, format!("of {} cannot be used: {error}", self.own.name.as_deref().unwrap_or("an element")))
+        let name = self.own.name.as_deref().unwrap_or("an element");
+        self.source.refuse(key, format!("of {name} cannot be used: {error}"))
     }
 
     fn refuse_named(&self, error: &ConfigError) -> FileError {
-        let name = error.parameter.name();
+        let (name, own) = (error.parameter.name(), self.own);
         let own = match name {
-            "current_low_a" => self.own.current_low_a.is_some(),
-            "current_high_a" => self.own.current_high_a.is_some(),
-            "resistance_min_ohm" => self.own.resistance_min_ohm.is_some(),
-            "resistance_max_ohm" => self.own.resistance_max_ohm.is_some(),
-            "sustained_power_w" => self.own.sustained_power_w.is_some(),
-            "energy_j" => self.own.energy_j.is_some(),
-            _ => self.own.temperature_max_c.is_some(),
+            "current_low_a" => own.current_low_a,
+            "current_high_a" => own.current_high_a,
+            "resistance_min_ohm" => own.resistance_min_ohm,
+            "resistance_max_ohm" => own.resistance_max_ohm,
+            "sustained_power_w" => own.sustained_power_w,
+            "energy_j" => own.energy_j,
+            _ => own.temperature_max_c,
         };
-        let key = self.shared.as_ref().filter(|_| !own).map_or(&self.key, |(kind_key, _)| kind_key);
+        let key = self.shared.as_ref().filter(|_| own.is_none()).map_or(&self.key, |(kind_key, _)| kind_key);
         self.refuse(&format!("{key}.{name}"), error)
     }
 }
@@ -168,16 +162,15 @@ pub(super) fn element(
         );
         return Err(source.refuse(&format!("{key}.name"), sentence));
     }
-    let shared = match &own.kind {
-        None => None,
-        Some(kind) => {
-            let table = kinds.get(kind).ok_or_else(|| {
-                let hint = suggest(kind, kinds.keys().map(String::as_str));
-                source.refuse(&format!("{key}.kind"), format!("is `{kind}`, but there is no [kinds.{kind}]; {hint}"))
-            })?;
-            Some((format!("kinds.{kind}"), table))
+    let shared = own.kind.as_ref().map(|kind| match kinds.get(kind) {
+        Some(table) => Ok((format!("kinds.{kind}"), table)),
+        None => {
+            let hint = suggest(kind, kinds.keys().map(String::as_str));
+            let sentence = format!("is `{kind}`, but there is no [kinds.{kind}]; {hint}");
+            Err(source.refuse(&format!("{key}.kind"), sentence))
         }
-    };
+    });
+    let shared = shared.transpose()?;
     let normal = own.normal.map(|normal| direction(source, &format!("{key}.normal"), normal)).transpose()?;
     let keys = ElementKeys { source, key, own, shared };
 

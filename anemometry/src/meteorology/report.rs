@@ -195,13 +195,9 @@ impl fmt::Display for MeteorologyReport {
             .map(|of| format!("{} s ({:.0} %{})", tidy(of.begin_s), 100.0 * of.valid_share, of.cause()))
             .collect();
         if !left_out.is_empty() {
-            let intervals = count(left_out.len(), "interval");
-            let least = 100.0 * LEAST_SHARE;
-            writeln!(
-                f,
-                "{intervals} left out, as less than {least} % of the estimates count: from {}",
-                listed(&left_out, MOST_NAMED)
-            )?;
+            let (intervals, least) = (count(left_out.len(), "interval"), 100.0 * LEAST_SHARE);
+            write!(f, "{intervals} left out, as less than {least} % of the estimates count: ")?;
+            writeln!(f, "from {}", listed(&left_out, MOST_NAMED))?;
         }
         self.fluxes(f)?;
         if let Some(comparison) = &self.comparison {
@@ -217,10 +213,7 @@ impl fmt::Display for MeteorologyReport {
             writeln!(f, "  sd of direction     {}", of(comparison.direction_sd))?;
             writeln!(f, "  gust                {}", of(comparison.gust))?;
         }
-        if let Some(path) = &self.written {
-            writeln!(f, "\nwritten to {}", path.display())?;
-        }
-        Ok(())
+        self.written.iter().try_for_each(|path| writeln!(f, "\nwritten to {}", path.display()))
     }
 }
 

@@ -40,11 +40,6 @@ pub struct NetworkObserver {
 }
 
 impl NetworkObserver {
-    /// Whether an element of the head has a gain schedule for the time after an alarm.
-    pub fn has_schedule(&self, place: usize) -> bool {
-        self.faster.iter().any(|of| usize::from(of.element) == place)
-    }
-
     /// Standard deviation of the convective power, or the unknown heat, of an element of the head
     /// by the noise of its readings, W.
     pub fn noise_w(&self, place: usize) -> Option<f64> {

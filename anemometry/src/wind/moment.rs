@@ -116,19 +116,6 @@ impl Ticks {
         self.last = Tick { tick: self.last.tick.saturating_add(1), valid: 0, power_w: self.mean_w, ..self.last };
         self.last
     }
-}
-
-/// Turns rows of a run into moments.
-#[derive(Debug, Clone)]
-pub struct LiveRows {
-    ticks: Ticks,
-}
-
-impl LiveRows {
-    /// For a run of a sample period.
-    pub fn new(sample_period_s: f64) -> Self {
-        Self { ticks: Ticks::new(sample_period_s) }
-    }
 
     /// The moment of a row. Rows begin at time 0 and come in order, with none left out.
     pub fn moment(&mut self, row: &RecordingRow<'_>) -> Moment {
@@ -140,7 +127,7 @@ impl LiveRows {
         let readings = row.temperature_c.iter().zip(row.power_w).enumerate().map(reading);
         Moment {
             time_s: row.time_s,
-            tick: self.ticks.tick(row.time_s, run_state(row.state), readings),
+            tick: self.tick(row.time_s, run_state(row.state), readings),
             event: row.event.to_owned(),
             state: row.state.to_owned(),
             wind_m_s: row.true_wind_m_s,

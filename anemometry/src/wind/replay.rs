@@ -95,7 +95,7 @@ impl Replay {
         };
         let lacking = |name: &str| {
             let hint = suggest(name, names.iter().map(String::as_str));
-            content(path, format!("has no column `{name}`; {hint}"))
+            RecordingError::new(path, format!("has no column `{name}`; {hint}"))
         };
         let mut needed = |name: String| place(&name).ok_or_else(|| lacking(&name));
         let time = needed(TIME.to_owned())?;
@@ -216,7 +216,7 @@ impl Replay {
     fn missing_before_next(&mut self) -> Result<u64, RecordingError> {
         self.count += 1;
         let time_s = number(&self.chunk[self.places.time], self.row);
-        let refuse = |problem: String| Err(content(&self.path, format!("row {}: {problem}", self.count)));
+        let refuse = |problem: String| Err(RecordingError::new(&self.path, format!("row {}: {problem}", self.count)));
         if !time_s.is_finite() {
             return refuse(format!("`{TIME}` is {time_s}: a time belongs there"));
         }
@@ -257,7 +257,7 @@ fn number(column: &RecordingColumn, row: usize) -> f64 {
 /// The sample period that the recording carries, or else the median time between its first rows;
 /// both have to agree.
 fn period_of(path: &Path, said_s: Option<f64>) -> Result<f64, RecordingError> {
-    let refuse = |sentence: &str| content(path, sentence.to_owned());
+    let refuse = |sentence: &str| RecordingError::new(path, sentence);
     let mut reader = RecordingReader::open(path)?;
     let time = reader.names().iter().position(|name| name == TIME);
     reader.select(&[time.ok_or_else(|| refuse(&format!("has no column `{TIME}`")))?]);
@@ -284,11 +284,6 @@ fn period_of(path: &Path, said_s: Option<f64>) -> Result<f64, RecordingError> {
     }
 }
 
-/// The error for a recording that is whole, but cannot be replayed.
-fn content(path: &Path, sentence: String) -> RecordingError {
-    RecordingError::new(path, sentence)
-}
-
 /// The requested head, or the one that the recording carries.
 ///
 /// # Errors
@@ -299,7 +294,7 @@ pub fn head_of(recording: &Path, head: Option<&Path>) -> Result<Head, RecordedHe
     }
     let metadata = RecordingReader::open(recording)?.metadata();
     let text = metadata.iter().find(|(key, _)| key == "head").map(|(_, text)| text.clone());
-    let text = text.ok_or_else(|| content(recording, "carries no head; name one with --head".to_owned()))?;
+    let text = text.ok_or_else(|| RecordingError::new(recording, "carries no head; name one with --head"))?;
     let path = format!("the head in {}", recording.display()).into();
     Ok(Head::from_source(TomlSource { path, text })?)
 }

@@ -83,20 +83,12 @@ impl fmt::Display for CardCalibration {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let CardTable { least_reynolds, most_reynolds, mean_share, difference_share, .. } = self.curves;
         writeln!(f, "{} winds, Re {least_reynolds:.1} to {most_reynolds:.1}", self.winds)?;
-        writeln!(
-            f,
-            "mean: {:.2} % of what the wind adds is left over; differences: {:.2} %, as Re^{:.3}",
-            100.0 * mean_share,
-            100.0 * difference_share,
-            self.exponent
-        )?;
+        let [mean, differences] = [mean_share, difference_share].map(|share| 100.0 * share);
+        write!(f, "mean: {mean:.2} % of what the wind adds is left over; ")?;
+        writeln!(f, "differences: {differences:.2} %, as Re^{:.3}", self.exponent)?;
         let seen = |degrees: f64| self.seen_at(degrees.to_radians());
-        writeln!(
-            f,
-            "of the speed head-on the card sees {:.2} across and {:.2} in reverse",
-            0.5 * (seen(90.0) + seen(-90.0)),
-            seen(0.0)
-        )?;
+        let (across, reverse) = (0.5 * (seen(90.0) + seen(-90.0)), seen(0.0));
+        writeln!(f, "of the speed head-on the card sees {across:.2} across and {reverse:.2} in reverse")?;
         let gains: Vec<String> = self.gains.iter().map(|gain| format!("{gain:.4}")).collect();
         writeln!(f, "gains {}; in quiescent gas {:.4} mW/K", gains.join(", "), 1e3 * self.quiescent_w_k)
     }

@@ -208,23 +208,15 @@ impl CalibrationGrade {
         }
     }
 
-    /// In a word.
-    pub fn name(self) -> &'static str {
+    /// In a word and its meaning.
+    pub fn words(self) -> [&'static str; 2] {
         match self {
-            Self::Good => "good",
-            Self::Fair => "fair",
-            Self::Poor => "poor",
-        }
-    }
-
-    /// What it means.
-    pub fn meaning(self) -> &'static str {
-        match self {
-            Self::Good => "the misfit is less than 0.5 % of speed; standard uncertainties include it",
-            Self::Fair => {
-                "the misfit is up to 3 % of speed, as much as an ordinary tunnel's speeds are off; look at the worst wind"
-            }
-            Self::Poor => "the misfit is more than 3 % of speed",
+            Self::Good => ["good", "the misfit is less than 0.5 % of speed; standard uncertainties include it"],
+            Self::Fair => [
+                "fair",
+                "the misfit is up to 3 % of speed, as much as an ordinary tunnel's speeds are off; look at the worst wind",
+            ],
+            Self::Poor => ["poor", "the misfit is more than 3 % of speed"],
         }
     }
 }

@@ -51,7 +51,7 @@ pub fn calibrate(head: &DrawnSurfaces, steady: &[SteadyWind]) -> Result<SurfaceC
     }
     let mirrored = spread::mirrored(&ready, &ascending(&winds));
     if !mirrored.is_empty() {
-        return Err(CalibrateError::Mirrored { labels: mirrored });
+        return Err(CalibrateError::Mirrored(mirrored));
     }
     solve(head, steady)
 }

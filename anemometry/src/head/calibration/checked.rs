@@ -5,12 +5,13 @@
 //! give the same conductances at speeds that are greater by it: the head then reports each speed
 //! times the factor, and the same directions.
 
+use std::collections::BTreeMap;
+
 use dr_core::wind::HeadForm;
 use dr_core::wind::slow_errors::SurfaceCorrection;
 use dr_core::wind::sphere::SECTORS;
 use recording::text::suggest;
 use recording::toml_file::{FileError, TomlSource};
-use serde::Serialize;
 
 use super::super::element::HeadElement;
 use super::super::file::Head;
@@ -197,12 +198,8 @@ impl CalibrationTable {
     /// # Errors
     /// If it cannot be written, or not be read again.
     pub fn with_head(self, head: &Head) -> Result<(String, Head), FileError> {
-        #[derive(Serialize)]
-        struct CalibrationTail {
-            calibration: CalibrationTable,
-        }
         let path = head.source.path.clone();
-        let tail = toml::to_string(&CalibrationTail { calibration: self }).map_err(|error| FileError {
+        let tail = toml::to_string(&BTreeMap::from([("calibration", self)])).map_err(|error| FileError {
             path: path.clone(),
             line: None,
             sentence: error.to_string(),

@@ -230,6 +230,9 @@ impl fmt::Display for OpenError {
     }
 }
 
+/// Winds that differ: with fewer any kind of error explains what contradicts.
+pub(super) const LEAST_WINDS: usize = 16;
+
 /// Why slow errors cannot be found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum SlowErrorsUnknown {
@@ -240,12 +243,9 @@ pub enum SlowErrorsUnknown {
     NothingToSpare,
     /// Too few winds say anything.
     #[error(
-        "slow errors take {least} winds that differ by 17° or 30 % of speed, and the recording has fewer: record more of them"
+        "slow errors take {LEAST_WINDS} winds that differ by 17° or 30 % of speed, and the recording has fewer: record more of them"
     )]
-    FewWinds {
-        /// So many it takes.
-        least: usize,
-    },
+    FewWinds,
     /// The overheat changes, but not in halves that count.
     #[error(
         "the overheat changes, but fewer than six halves of it count, and there are too few winds without them: let it alternate between overheats at least {:.0} % apart, for longer at each than the head takes to cool (its estimates are `saturated` meanwhile), and for a multiple of that",

@@ -181,8 +181,7 @@ pub fn equations<const N: usize>(
     let mut last: Option<(SlowSlot, [f64; 3], [f32; SECTORS])> = None;
     let mut each = |(place, slot): (usize, &SlowSlot)| {
         let correction = found.get(place).map_or([SurfaceCorrection::default(); SECTORS], corrections);
-        let linear = linear(slot, anemometer, &correction, &mut inverse)?;
-        let LinearSlot { mut spare, wind_m_s, missed } = linear;
+        let (mut spare, wind_m_s, missed) = linear(slot, anemometer, &correction, &mut inverse)?;
         let before = last.replace((*slot, wind_m_s, spare.null));
         let mut correlation = 0.0;
         if let Some((_, last_m_s, last_null)) = &before {
@@ -237,19 +236,14 @@ fn distance_square(a: [f64; 3], b: [f64; 3]) -> f64 {
     (angle_rad.powi(2) + faster.powi(2)) / ALIKE.powi(2)
 }
 
-struct LinearSlot {
-    spare: SpareNumber,
-    wind_m_s: [f64; 3],
-    missed: f64,
-}
-
-/// The spare number of a slot about its corrected wind.
+/// The spare number of a slot about its corrected wind, this wind in m/s, and what the calibration
+/// misses.
 fn linear<const N: usize>(
     slot: &SlowSlot,
     anemometer: &Anemometer<N>,
     correction: &[SurfaceCorrection; SECTORS],
     inverse: &mut WindState,
-) -> Option<LinearSlot> {
+) -> Option<(SpareNumber, [f64; 3], f64)> {
     if slot.count == 0 {
         return None;
     }
@@ -278,7 +272,7 @@ fn linear<const N: usize>(
     let square: f64 = (0..SECTORS).map(|i| slot.conductance_w_k[i].powi(2) / slot.variance_w2_k2[i]).sum();
     let share = f64::from(anemometer.missed_share(&gas, slot.gas_c as f32, wind.speed_m_s));
     let missed = share * (square / SECTORS as f64).sqrt();
-    Some(LinearSlot { spare, wind_m_s: wind.wind_m_s.map(f64::from), missed })
+    Some((spare, wind.wind_m_s.map(f64::from), missed))
 }
 
 #[cfg(test)]

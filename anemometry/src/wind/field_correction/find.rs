@@ -5,7 +5,8 @@ use dr_core::wind::Anemometer;
 use dr_core::wind::sphere::SECTORS;
 
 use super::correction::{
-    CONTRADICTED, FieldCorrection, OpenError, OverheatFinding, SlowErrorKind, SlowErrorsUnknown, open_errors,
+    CONTRADICTED, FieldCorrection, LEAST_WINDS, OpenError, OverheatFinding, SlowErrorKind, SlowErrorsUnknown,
+    open_errors,
 };
 use super::evidence::{SlowEvidence, corrections, distinct, equations};
 use super::halves::{OverheatHalves, missed_mw, overheat_chi_square, overheat_equations, widen_by_missed};
@@ -19,8 +20,6 @@ const MOST_JUMPS: usize = 12;
 /// find what all surfaces share: means over gusts contradict a little, and in the same way as that.
 const STEADY: f64 = 3.0;
 const LEAST_STEADY: f64 = 20.0;
-/// Winds that differ: with fewer any kind of error explains what contradicts.
-const LEAST_WINDS: usize = 16;
 /// Uncertainty over the greatest error from which on it is not known which surface is wrong.
 const HIDDEN: f64 = 0.25;
 /// Standard deviations beyond which a residual counts as less.
@@ -161,7 +160,7 @@ impl SlowErrorSearch {
         Err(if self.kind == SlowErrorKind::Offsets && OverheatHalves::is_two(evidence) {
             SlowErrorsUnknown::NoHalves
         } else {
-            SlowErrorsUnknown::FewWinds { least: LEAST_WINDS }
+            SlowErrorsUnknown::FewWinds
         })
     }
 
