@@ -144,10 +144,8 @@ pub fn drawn(
     let configs = surfaces_of(form, &normals, diameter_m, length_m);
     let configs = configs.map_err(|error| refuse(format!("has surfaces that cannot be: {error}")))?;
     if form == HeadForm::Single && normals.len() > 1 {
-        return Err(refuse(format!(
-            "has {} elements with a `normal`, and a single element is one: --elements NAME says which",
-            normals.len()
-        )));
+        let given = format!("has {} elements with a `normal`", normals.len());
+        return Err(refuse(format!("{given}, and a single element is one: --elements NAME says which")));
     }
     let places: Vec<usize> = outward.into_iter().map(|(place, _)| place).collect();
     let name = |place: &usize| head.elements[*place].name.clone();

@@ -146,10 +146,8 @@ impl SteadyWindSearch<'_> {
         };
         let differences = quiescent.of_another_network(&Conditions { support_temperature_c, ..conditions.clone() });
         if !differences.is_empty() {
-            return Err(refuse(format!(
-                "was taken {}, for which the network was identified: it holds for one gas and one support",
-                differences.join(" and ")
-            )));
+            let taken = format!("was taken {}, for which the network was identified", differences.join(" and "));
+            return Err(refuse(format!("{taken}: it holds for one gas and one support")));
         }
         let observer = self.observed.network.stable_observer(BANDWIDTH_HZ, period_s);
         let observer = observer.map_err(|error| refuse(error.to_string()))?;
@@ -191,10 +189,8 @@ impl SteadyWindCollector<'_> {
             standing_w: &std::array::from_fn(|i| standing_w(observed.head, i, tick.temperature_c[i])),
         };
         if moment.state.starts_with("tripped") {
-            let sentence = format!(
-                "is in state `{}` from {:.2} s on, during `{}`: cut it there",
-                moment.state, moment.time_s, moment.event
-            );
+            let Moment { state, time_s, event, .. } = moment;
+            let sentence = format!("is in state `{state}` from {time_s:.2} s on, during `{event}`: cut it there");
             return Err(RecordingError::new(&self.recording, sentence));
         }
         let convection = self.network.step(&mut self.state, &input);

@@ -68,14 +68,9 @@ pub fn average(path: &Path, options: &AveragingOptions) -> Result<MeteorologyRep
 struct Averager<'a> {
     options: &'a AveragingOptions,
     eddy: Option<EddyOptions>,
-    current: Option<OpenInterval>,
+    /// Number of the open interval, its estimates and true winds.
+    current: Option<(i64, EstimateSeries, EstimateSeries)>,
     intervals: Vec<MeanInterval>,
-}
-
-struct OpenInterval {
-    number: i64,
-    estimates: EstimateSeries,
-    truth: EstimateSeries,
 }
 
 impl Averager<'_> {
@@ -86,19 +81,17 @@ impl Averager<'_> {
         }
         // A time that is a rounding below an interval's begin belongs to it.
         let number = (since_s / self.options.interval_s + 1e-9).floor() as i64;
-        if self.current.as_ref().is_none_or(|open| open.number != number) {
+        if self.current.as_ref().is_none_or(|(open, ..)| *open != number) {
             self.close();
-            self.current =
-                Some(OpenInterval { number, estimates: EstimateSeries::default(), truth: EstimateSeries::default() });
         }
-        if let Some(open) = &mut self.current {
-            open.estimates.entries.push(estimate);
-            open.truth.entries.extend(truth);
-        }
+        let (_, estimates, truths) =
+            self.current.get_or_insert_with(|| (number, Default::default(), Default::default()));
+        estimates.entries.push(estimate);
+        truths.entries.extend(truth);
     }
 
     fn close(&mut self) {
-        let Some(OpenInterval { number, estimates, truth }) = self.current.take() else { return };
+        let Some((number, estimates, truth)) = self.current.take() else { return };
         let interval_s = self.options.interval_s;
         let begin_s = self.options.from_s + number as f64 * interval_s;
         let statistics = estimates.statistics(begin_s, interval_s, self.eddy.as_ref());

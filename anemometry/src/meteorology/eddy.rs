@@ -93,12 +93,9 @@ pub fn fluxes(wind_m_s: &[[f64; 3]], gas_c: &[f64], interval_s: f64, options: &E
     let resolves = |flux: TurbulentFlux, bandwidth_hz: f64, name: &str| {
         let share = flux.resolved(options.height_m, horizontal, bandwidth_hz, interval_s);
         let is_enough = share >= LEAST_RESOLVED;
-        let sentence = format!(
-            "{name}: at {} m and {horizontal:.1} m/s {:.0} % of it lie between 1/{interval_s} Hz and {bandwidth_hz} Hz, {:.0} % are needed",
-            options.height_m,
-            100.0 * share,
-            100.0 * LEAST_RESOLVED
-        );
+        let ([percent, needed], height_m) = ([share, LEAST_RESOLVED].map(|share| 100.0 * share), options.height_m);
+        let band = format!("{percent:.0} % of it lie between 1/{interval_s} Hz and {bandwidth_hz} Hz");
+        let sentence = format!("{name}: at {height_m} m and {horizontal:.1} m/s {band}, {needed:.0} % are needed");
         (!is_enough).then_some(sentence)
     };
     if let Some(sentence) = resolves(TurbulentFlux::Momentum, options.bandwidth_hz, "momentum flux") {

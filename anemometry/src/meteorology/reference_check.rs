@@ -129,9 +129,9 @@ impl ReferenceCheck {
             return Some(format!("the reference seems to be in {unit}: its table takes m/s"));
         }
         if !SCALES.contains(&self.scale.value) {
+            let scale = self.scale.value;
             return Some(format!(
-                "a scale of {:.3} is none that ages: are unit, head and place of the reference right?",
-                self.scale.value
+                "a scale of {scale:.3} is none that ages: are unit, head and place of the reference right?"
             ));
         }
         let Sampled { value, u } = self.offset_m_s;

@@ -70,10 +70,10 @@ impl QuiescentNetwork {
             ));
         }
         let [label] = &model.classes[..] else {
-            return Err(NetworkError::new(format!(
-                "the model has the classes {}: a quiescent-gas network has one, quiescent gas",
-                model.classes.join(", ")
-            )));
+            let classes = model.classes.join(", ");
+            let sentence =
+                format!("the model has the classes {classes}: a quiescent-gas network has one, quiescent gas");
+            return Err(NetworkError::new(sentence));
         };
         let mut own = Vec::new();
         for (element, of) in head.elements.iter().enumerate() {
@@ -84,11 +84,9 @@ impl QuiescentNetwork {
             own.push(self_heating(pair, label, of, element, known)?);
         }
         if own.is_empty() {
-            return Err(NetworkError::new(format!(
-                "the model heats none of head `{}` and sees it become warm: its pairs must be named after {}",
-                head.name,
-                head.names().join(", ")
-            )));
+            let (head, names) = (&head.name, head.names().join(", "));
+            let sentence = format!("the model heats none of head `{head}` and sees it become warm");
+            return Err(NetworkError::new(format!("{sentence}: its pairs must be named after {names}")));
         }
         let mut cross = Vec::new();
         for from in &own {
@@ -255,11 +253,8 @@ const ADVICE: &str = "the ratio of its currents may be off: `anemo self-test EXP
 /// The sentence on residuals in an element's own record, K rms, if they are suspicious.
 pub(super) fn residuals(element: &str, residual_k: f64, noise_k: f64) -> Option<String> {
     (residual_k > LEAST_RESIDUAL_K.max(RESIDUALS * noise_k)).then(|| {
-        format!(
-            "{element}: its record leaves {:.1} mK, and its readings have {:.1} mK of noise: {ADVICE}",
-            1e3 * residual_k,
-            1e3 * noise_k
-        )
+        let [left, noise] = [residual_k, noise_k].map(|kelvin| 1e3 * kelvin);
+        format!("{element}: its record leaves {left:.1} mK, and its readings have {noise:.1} mK of noise: {ADVICE}")
     })
 }
 

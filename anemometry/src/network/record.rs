@@ -147,13 +147,9 @@ impl QuiescentRecord {
     /// If their elements or their gases differ.
     pub fn alike(&self, first: &Self) -> Result<(), NetworkError> {
         if self.elements != first.elements {
-            return Err(NetworkError::new(format!(
-                "{} has the elements {}, {} has {}: all records must be of one head",
-                first.name,
-                first.elements.join(", "),
-                self.name,
-                self.elements.join(", ")
-            )));
+            let [first, own] = [first, self].map(|of| (&of.name, of.elements.join(", ")));
+            let both = format!("{} has the elements {}, {} has {}", first.0, first.1, own.0, own.1);
+            return Err(NetworkError::new(format!("{both}: all records must be of one head")));
         }
         let (Some(own), Some(its)) = (&self.conditions, &first.conditions) else { return Ok(()) };
         let differences = its.differences(own, true);

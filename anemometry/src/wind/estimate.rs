@@ -306,10 +306,8 @@ impl<'a> WindEstimation<'a> {
                     self.gas_c = Some([least_c.min(is_c), most_c.max(is_c)]);
                 }
                 if NOT_SETTLED.iter().all(|flag| !sample.quality_flags.has(*flag)) {
-                    self.unknown_heat
-                        .iter_mut()
-                        .zip(&unknown_heat_w)
-                        .for_each(|(of, heat_w)| of.add(f64::from(*heat_w)));
+                    let each = self.unknown_heat.iter_mut().zip(&unknown_heat_w);
+                    each.for_each(|(of, heat_w)| of.add(f64::from(*heat_w)));
                 }
                 if let Some(truth) = true_wind_m_s {
                     self.comparison.add(&sample, &self.axes, truth);
@@ -374,9 +372,9 @@ fn output(options: &WindOptions, period_s: f64) -> Result<WindOutput, WindError>
             true => format!("{} s or {} s", tidy(below), tidy(above)),
             false => format!("{} s", tidy(period_s)),
         };
+        let periods = format!("sample periods of {} s", tidy(period_s));
         return Err(WindError::Interval(format!(
-            "{interval_s} is not a whole number of sample periods of {} s: {nearest} would be",
-            tidy(period_s)
+            "{interval_s} is not a whole number of {periods}: {nearest} would be"
         )));
     }
     // Twelve digits of a product, so that 3 × 0.01 is 0.03.

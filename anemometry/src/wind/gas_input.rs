@@ -65,12 +65,9 @@ impl GasInput {
         let conditions = replay.conditions.as_ref();
         let species = calibration.table.species.name();
         if let Some(of) = conditions.filter(|of| of.species != species) {
-            return refuse(&format!(
-                "{}: was taken in {}, but head `{}` is calibrated for {species}: another gas is another calibration",
-                recording.display(),
-                of.species,
-                head.name
-            ));
+            let taken = format!("{}: was taken in {}", recording.display(), of.species);
+            let calibrated = format!("but head `{}` is calibrated for {species}", head.name);
+            return refuse(&format!("{taken}, {calibrated}: another gas is another calibration"));
         }
         let in_words = |error: GasError| {
             let is_option = error.name.starts_with("--");
@@ -114,10 +111,8 @@ impl GasInput {
             if let TemperatureSource::Constant(celsius) = temperature
                 && (celsius - of.gas_temperature_c).abs() > SAME_TEMPERATURE_K
             {
-                warnings.push(format!(
-                    "--gas-temperature is {celsius} °C, but the recording says {} °C",
-                    of.gas_temperature_c
-                ));
+                let is_c = of.gas_temperature_c;
+                warnings.push(format!("--gas-temperature is {celsius} °C, but the recording says {is_c} °C"));
             }
         }
         Ok(Self { species, pressure_pa, temperature, uncertainty, last: None, has_begun: false, warnings })

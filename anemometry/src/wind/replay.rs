@@ -110,10 +110,8 @@ impl Replay {
             None => place(GAS_TEMPERATURE),
         };
         let (event, state) = (place(EVENT), place(STATE));
-        let wind = match TRUE_WIND.map(&mut place) {
-            [Some(x), Some(y), Some(z)] => Some([x, y, z]),
-            _ => None,
-        };
+        let [x, y, z] = TRUE_WIND.map(&mut place);
+        let wind = x.zip(y).zip(z).map(|((x, y), z)| [x, y, z]);
         for (name, column) in [(EVENT, event), (STATE, state)] {
             if column.is_some()
                 && let Some(at) = names.iter().position(|known| known == name)
@@ -277,10 +275,10 @@ fn period_of(path: &Path, said_s: Option<f64>) -> Result<f64, RecordingError> {
         }
         None => Ok(usual_s),
         Some(said_s) if (usual_s / said_s - 1.0).abs() <= ROUNDED => Ok(said_s),
-        Some(said_s) => Err(refuse(&format!(
-            "says that its sample period is {said_s} s, but its rows are {} s apart: one of them is wrong",
-            tidy(usual_s)
-        ))),
+        Some(said_s) => {
+            let apart = format!("its rows are {} s apart: one of them is wrong", tidy(usual_s));
+            Err(refuse(&format!("says that its sample period is {said_s} s, but {apart}")))
+        }
     }
 }
 

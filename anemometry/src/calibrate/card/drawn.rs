@@ -126,19 +126,14 @@ pub fn lacking(winds: &[CardWind]) -> Vec<String> {
     }
     let (least, most) = ends(winds);
     if most < LEAST_RATIO * least {
-        lacking.push(format!(
-            "the fastest wind is {:.1} times as fast as the slowest; {LEAST_RATIO} times are needed at least",
-            most / least
-        ));
+        let fastest = format!("the fastest wind is {:.1} times as fast as the slowest", most / least);
+        lacking.push(format!("{fastest}; {LEAST_RATIO} times are needed at least"));
     }
     let width = 360 / SECTORS;
     let sector = |wind: &CardWind| (wind.angle.to_degrees().rem_euclid(360.0) as usize / width).min(SECTORS - 1);
     for empty in (0..SECTORS).filter(|&n| winds.iter().all(|wind| sector(wind) != n)) {
-        lacking.push(format!(
-            "no wind goes towards {} to {}° from the tip around the boom",
-            empty * width,
-            (empty + 1) * width
-        ));
+        let [from, to] = [empty, empty + 1].map(|edge| edge * width);
+        lacking.push(format!("no wind goes towards {from} to {to}° from the tip around the boom"));
     }
     lacking
 }

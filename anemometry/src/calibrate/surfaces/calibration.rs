@@ -258,12 +258,11 @@ impl SurfaceCalibration {
         }
         let likely = self.over_published();
         if !(1.0 / UNLIKELY..=UNLIKELY).contains(&likely) {
+            let [times, least, most] =
+                [likely, self.curves.least_reynolds, self.curves.most_reynolds].map(|number| short(number, 2));
             sentences.push(format!(
-                "the Nusselt numbers are {} times those of such bodies at Re {} to {}: is the pressure in pascals, the speed in m/s, the \
-                 power in watts, and are diameter and area those of the body?",
-                short(likely, 2),
-                short(self.curves.least_reynolds, 2),
-                short(self.curves.most_reynolds, 2)
+                "the Nusselt numbers are {times} times those of such bodies at Re {least} to {most}: is the pressure in pascals, the speed \
+                 in m/s, the power in watts, and are diameter and area those of the body?"
             ));
         }
         sentences

@@ -158,10 +158,11 @@ impl<'a> BodyReader<'a> {
                     (_, 1) => Ok(from.into_iter().map(|from| (from, to[0])).collect()),
                     (1, _) => Ok(to.into_iter().map(|to| (from[0], to)).collect()),
                     (some, others) if some == others => Ok(from.into_iter().zip(to).collect()),
-                    (some, others) => Err(self.source.refuse(
-                        key,
-                        format!("joins {some} nodes with {others}: as many as there are, or each with one"),
-                    )),
+                    (some, others) => {
+                        let sentence =
+                            format!("joins {some} nodes with {others}: as many as there are, or each with one");
+                        Err(self.source.refuse(key, sentence))
+                    }
                 }
             }
             (None, None, Some(among)) => {
@@ -219,11 +220,8 @@ impl<'a> BodyReader<'a> {
         for element in self.heads {
             let node = nodes.get(&element.name).or_else(|| self.numbers.get(&element.name)).copied();
             let node = node.ok_or_else(|| {
-                let sentence = format!(
-                    "has no node for the element `{}`: name one so, or write `{} = \"…\"` under [body.elements]",
-                    element.name, element.name
-                );
-                self.source.refuse("body", sentence)
+                let hint = format!("name one so, or write `{} = \"…\"` under [body.elements]", element.name);
+                self.source.refuse("body", format!("has no node for the element `{}`: {hint}", element.name))
             })?;
             if let Some(place) = all.iter().position(|other| *other == node) {
                 let (one, other) = (&element.name, &self.heads[place].name);
