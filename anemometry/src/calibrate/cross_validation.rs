@@ -85,6 +85,10 @@ impl CrossValidation {
         ComparisonSummary::of(self.compared.iter())
     }
 
+    fn write_failed(&self, f: &mut fmt::Formatter<'_>, what: &str) -> fmt::Result {
+        if self.failed.is_empty() { Ok(()) } else { writeln!(f, "{what}: {}", self.failed.join(", ")) }
+    }
+
     /// Errors by class of speed.
     pub fn by_class(&self) -> Vec<(ReynoldsRange, ComparisonSummary)> {
         let own = |class: &ReynoldsRange| {
@@ -120,10 +124,7 @@ impl fmt::Display for CrossValidation {
                 write!(f, "direction {:.2}° rms, {:.2}° at worst; ", all.direction_rms_deg, all.direction_worst_deg)?;
             }
             writeln!(f, "speed {:.2} % rms, {:.2} % at worst", 100.0 * all.speed_rms, 100.0 * all.speed_worst)?;
-            return match self.failed.is_empty() {
-                true => Ok(()),
-                false => writeln!(f, "no direction: {}", self.failed.join(", ")),
-            };
+            return self.write_failed(f, "no direction");
         }
         writeln!(f, "cross-validated by {}, {} folds", self.scheme.name(), self.folds)?;
         let has_direction = !all.direction_rms_deg.is_nan();
@@ -138,10 +139,7 @@ impl fmt::Display for CrossValidation {
             let [rms, worst] = [s.speed_rms, s.speed_worst].map(|share| 100.0 * share);
             writeln!(f, "{name:<32} {:>5} {direction} {rms:>10.2} % {worst:>6.2} %", s.winds)?;
         }
-        if !self.failed.is_empty() {
-            writeln!(f, "no estimate: {}", self.failed.join(", "))?;
-        }
-        Ok(())
+        self.write_failed(f, "no estimate")
     }
 }
 

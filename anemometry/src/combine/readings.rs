@@ -79,10 +79,7 @@ impl CombinedReadings {
     /// # Errors
     /// If one cannot be read, has no wind estimates, or no row at a time of the first.
     pub fn read(paths: &[PathBuf], vanes: &[Vane], winds: Option<&GivenWinds>) -> Result<Self, RecordingError> {
-        let mut files = Vec::new();
-        for path in paths {
-            files.push(InstrumentFile::read(path)?);
-        }
+        let files = paths.iter().map(|path| InstrumentFile::read(path)).collect::<Result<Vec<_>, _>>()?;
         let whats = files.iter().map(|of| of.what.clone()).chain(vanes.iter().map(|of| of.junctions.join(", ")));
         let first = &files[0];
         let near_s = 0.5 * step_s(&first.time_s);

@@ -6,15 +6,34 @@ use dr_core::ConfigError;
 use dr_core::control::{ElementConfig, EnergyLimit, Limits};
 use dr_core::sensor::{Channel, Level, Platinum};
 use recording::text::suggest;
-use recording::toml_file::{FileError, TomlSource};
+use recording::toml_file::{FileError, TomlSource, exactly_if_any};
 use serde::Deserialize;
-
-use super::file::ElementTable;
 
 use crate::vector::length;
 
 /// More layers than a record can tell apart.
 const MOST_LAYERS: u8 = 3;
+
+/// An element, or what the elements of a kind share.
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ElementTable {
+    pub name: Option<String>,
+    pub kind: Option<String>,
+    #[serde(default, deserialize_with = "exactly_if_any")]
+    pub normal: Option<[f64; 3]>,
+    pub platinum: Option<PlatinumKind>,
+    pub current_low_a: Option<f64>,
+    pub current_high_a: Option<f64>,
+    pub current_high_nominal_a: Option<f64>,
+    pub resistance_min_ohm: Option<f64>,
+    pub resistance_max_ohm: Option<f64>,
+    pub temperature_max_c: Option<f64>,
+    pub sustained_power_w: Option<f64>,
+    pub energy_j: Option<f64>,
+    pub layers: Option<u8>,
+    pub only_senses: Option<bool>,
+}
 
 /// A checked element.
 #[derive(Debug, Clone, PartialEq)]

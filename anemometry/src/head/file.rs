@@ -18,7 +18,7 @@ use super::body::checked::place;
 use super::body::table::BodyTable;
 use super::calibration::checked::Calibration;
 use super::calibration::table::CalibrationTable;
-use super::element::{HeadAdc, HeadElement, PlatinumKind, element};
+use super::element::{ElementTable, HeadAdc, HeadElement, element};
 
 use crate::gas::GasError;
 use crate::network::parameters::NetworkError;
@@ -216,27 +216,6 @@ pub struct GuardTable {
     /// Equal readings in a row that trip; 0: never.
     #[serde(default)]
     pub stuck_limit_ticks: u32,
-}
-
-/// An element, or what the elements of a kind share.
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
-pub(super) struct ElementTable {
-    pub name: Option<String>,
-    pub kind: Option<String>,
-    #[serde(default, deserialize_with = "exactly_if_any")]
-    pub normal: Option<[f64; 3]>,
-    pub platinum: Option<PlatinumKind>,
-    pub current_low_a: Option<f64>,
-    pub current_high_a: Option<f64>,
-    pub current_high_nominal_a: Option<f64>,
-    pub resistance_min_ohm: Option<f64>,
-    pub resistance_max_ohm: Option<f64>,
-    pub temperature_max_c: Option<f64>,
-    pub sustained_power_w: Option<f64>,
-    pub energy_j: Option<f64>,
-    pub layers: Option<u8>,
-    pub only_senses: Option<bool>,
 }
 
 impl Head {

@@ -77,8 +77,7 @@ impl QuiescentNetwork {
         };
         let mut own = Vec::new();
         for (element, of) in head.elements.iter().enumerate() {
-            let (input, output) =
-                (recording::column_name(POWER, &of.name), recording::column_name(TEMPERATURE, &of.name));
+            let [input, output] = [POWER, TEMPERATURE].map(|quantity| recording::column_name(quantity, &of.name));
             let Some(pair) = model.pair(&input, &output) else { continue };
             let Some(known) = model.outputs.iter().find(|known| known.name == output) else { continue };
             own.push(self_heating(pair, label, of, element, known)?);
@@ -88,12 +87,9 @@ impl QuiescentNetwork {
             let sentence = format!("the model heats none of head `{head}` and sees it become warm");
             return Err(NetworkError::new(format!("{sentence}: its pairs must be named after {names}")));
         }
-        let mut cross = Vec::new();
-        for from in &own {
-            for to in own.iter().filter(|to| to.element != from.element) {
-                cross.push(cross_heating(model, label, from, to)?);
-            }
-        }
+        let pairs = own.iter().flat_map(|from| own.iter().map(move |to| (from, to)));
+        let cross = pairs.filter(|(from, to)| from.element != to.element);
+        let cross = cross.map(|(from, to)| cross_heating(model, label, from, to)).collect::<Result<_, _>>()?;
         Ok(Self { own, cross })
     }
 }

@@ -295,11 +295,8 @@ fn network(elements: &[String], rounds: Vec<IdentificationRound>) -> Result<Mode
         let rests: Vec<f64> = rounds.iter().map(|round| round.models[j].outputs[0].offset_c).collect();
         let mean = rests.iter().sum::<f64>() / rests.len() as f64;
         let apart = rests.iter().map(|rest| (rest - mean).abs()).fold(0.0, f64::max);
-        let others: Vec<f64> = rounds
-            .iter()
-            .filter(|round| round.driven != *name)
-            .map(|round| round.models[j].outputs[0].residual_rms)
-            .collect();
+        let others = rounds.iter().filter(|round| round.driven != *name);
+        let others: Vec<f64> = others.map(|round| round.models[j].outputs[0].residual_rms).collect();
         output.offset_c = mean;
         output.se_offset_c = apart;
         if !others.is_empty() {

@@ -6,8 +6,8 @@
 //! | [`record`], [`mod@identify`] | records that drive one element each, and the model of all pairs identified from them |
 //! | [`from_model`], [`parameters`] | the network of a head from that model, with the layers between element and surface |
 //! | [`kalman`] | Kalman gains of an element for a bandwidth |
-//! | [`observer`] | configurations for the board, whose bandwidth stays or rises after a jump of the wind |
-//! | [`mod@gain_schedule`], [`stability`] | gains after a jump, and whether they are stable |
+//! | [`observer`] | configurations for the board, of one bandwidth |
+//! | [`mod@gain_schedule`], [`stability`] | gains after a jump of the wind; observers that are stable with or without them |
 //! | [`report`] | a network as text and as JSON |
 
 pub mod from_model;

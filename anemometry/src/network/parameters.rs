@@ -13,10 +13,9 @@
 //! | P | | heating power | W |
 //! | q | | convective power; of an element without a surface the heat that it loses on ways that the identification did not have: to a support or by a stem that are warmer, colder or windier than they were | W |
 
+use diffusive::model::export::cauer::LadderSection;
 use recording::RecordingError;
 use serde::{Deserialize, Serialize};
-
-use super::from_model::LadderSection;
 
 use crate::head::element::NominalElement;
 

@@ -17,9 +17,8 @@ use super::super::drawn::DrawnOptions;
 use super::super::steady_wind::{SurfaceReading, WorstReading};
 use super::equations::{QUIESCENT, SurfaceEquations, SurfaceProblem};
 use super::family::AmplitudeShape;
-use super::fit::{ADVICE, CalibrationGrade, SurfaceFit};
+use super::fit::{ADVICE, CalibrationGrade, FittedKing, SurfaceFit};
 use super::readings::chord;
-use super::solve::FittedKing;
 use super::sought::SoughtConvection;
 
 use crate::gas::ZERO_CELSIUS_K;

@@ -60,6 +60,19 @@ pub struct SurfaceFit {
     pub degrees_of_freedom: f64,
 }
 
+/// King's law as it was found.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct FittedKing {
+    /// m
+    pub exponent: f64,
+    /// Standard uncertainty of m; zero where it was given.
+    pub se_exponent: f64,
+    /// k, of wires.
+    pub yaw_factor: Option<f64>,
+    /// Standard uncertainty of k.
+    pub se_yaw_factor: Option<f64>,
+}
+
 /// Fits all unknowns.
 ///
 /// # Errors

@@ -17,13 +17,12 @@
 use dr_core::wind::HeadForm;
 use dr_core::wind::nusselt::ORDERS;
 use nalgebra::{DMatrix, DVector};
-use serde::Serialize;
 
 use super::super::steady_wind::{CalibrateError, SteadyWind};
 use super::calibration::SurfaceCalibration;
 use super::equations::{FitPoint, LawUnknown, SoughtLaw, SurfaceProblem};
 use super::family::{AmplitudeFamily, AmplitudeShape};
-use super::fit::{self, CalibrationGrade, SurfaceFit};
+use super::fit::{self, CalibrationGrade, FittedKing, SurfaceFit};
 use super::readings::{self, CheckedWind, DrawnSurfaces, LossLaw, SurfaceGeometry, ascending, distinct, met_m_s};
 use super::spread;
 use super::spread::all_angles;
@@ -149,19 +148,6 @@ const YAW_FACTOR: f64 = 0.3;
 const ANGLES: usize = 90;
 /// Weight of these together beside the winds'.
 const HELD: f64 = 1e-2;
-
-/// King's law as it was found.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct FittedKing {
-    /// m
-    pub exponent: f64,
-    /// Standard uncertainty of m; zero where it was given.
-    pub se_exponent: f64,
-    /// k, of wires.
-    pub yaw_factor: Option<f64>,
-    /// Standard uncertainty of k.
-    pub se_yaw_factor: Option<f64>,
-}
 
 /// The problem of the winds with King's law; its exponent as `given`, or where it fits best.
 ///

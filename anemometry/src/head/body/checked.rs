@@ -45,10 +45,8 @@ impl Body {
         body.add_nodes(table)?;
         let links = body.links(&table.links)?;
         let nodes_of = body.elements(&table.elements)?;
-        let mut convection = Vec::new();
-        for (i, group) in table.convection.iter().enumerate() {
-            convection.push(body.convection(&format!("body.convection[{i}]"), group, &nodes_of, &links)?);
-        }
+        let group = |(i, group)| body.convection(&format!("body.convection[{i}]"), group, &nodes_of, &links);
+        let convection = table.convection.iter().enumerate().map(group).collect::<Result<_, _>>()?;
         let checked = Self {
             nodes: body.nodes,
             links,

@@ -264,9 +264,7 @@ pub enum NamesError {
 /// If a part of it is no word or no range, or stands for too many.
 fn expanded(pattern: &str) -> Result<Vec<String>, NamesError> {
     let mut names = Vec::new();
-    for part in pattern.split(',').map(str::trim) {
-        expand(part, String::new(), &mut names)?;
-    }
+    pattern.split(',').try_for_each(|part| expand(part.trim(), String::new(), &mut names))?;
     Ok(names)
 }
 

@@ -22,7 +22,8 @@
 //! |---|---|
 //! | [`table`] | the tables as they are written |
 //! | `checks` | what is refused |
-//! | [`checked`] | a checked calibration: its age, its corrections, and its way to the file |
+//! | [`checked`] | a checked calibration |
+//! | `rewritten` | a calibration on its way to the file: its age, its corrections |
 //! | `differences` | what follows in other conditions |
 //! | [`commands`] | it as commands of the board's anemometer |
 
@@ -30,6 +31,7 @@ pub mod checked;
 mod checks;
 pub mod commands;
 mod differences;
+mod rewritten;
 pub mod table;
 
 pub use checks::{DIAMETER_M, DIRECTION_ERROR_MAX_DEG};

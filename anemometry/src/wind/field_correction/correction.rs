@@ -17,7 +17,6 @@ use wire::WindSample;
 
 use super::super::gas_uncertainty::add_uncertainty;
 use super::evidence::corrections;
-use super::find::JUMP_EXPLAINS;
 use super::halves::LEAST_SWING;
 use super::smoother::{ERRORS, OverheatEquation, SlowEquation, SlowErrorsAt, SlowJump, SlowPrior, SlowSeries, doubt};
 
@@ -230,6 +229,8 @@ impl fmt::Display for OpenError {
     }
 }
 
+/// Jumps that take less than this out of the squares of the residuals are not taken.
+pub(super) const JUMP_EXPLAINS: f64 = 30.0;
 /// Winds that differ: with fewer any kind of error explains what contradicts.
 pub(super) const LEAST_WINDS: usize = 16;
 

@@ -5,16 +5,14 @@ use dr_core::wind::Anemometer;
 use dr_core::wind::sphere::SECTORS;
 
 use super::correction::{
-    CONTRADICTED, FieldCorrection, LEAST_WINDS, OpenError, OverheatFinding, SlowErrorKind, SlowErrorsUnknown,
-    open_errors,
+    CONTRADICTED, FieldCorrection, JUMP_EXPLAINS, LEAST_WINDS, OpenError, OverheatFinding, SlowErrorKind,
+    SlowErrorsUnknown, open_errors,
 };
 use super::evidence::{SlowEvidence, corrections, distinct, equations};
 use super::halves::{OverheatHalves, missed_mw, overheat_chi_square, overheat_equations, widen_by_missed};
 use super::smoother::{OverheatEquation, SlowEquation, SlowErrorsAt, SlowJump, SlowPrior, SlowSeries, doubt, smooth};
 
 const ROUNDS: usize = 8;
-/// Jumps that take less than this out of the squares of the residuals are none, and most of them.
-pub(super) const JUMP_EXPLAINS: f64 = 30.0;
 const MOST_JUMPS: usize = 12;
 /// Variance of an equation up to which its wind was steady, and how many such winds it takes to
 /// find what all surfaces share: means over gusts contradict a little, and in the same way as that.
