@@ -39,8 +39,9 @@ def identify(
     plot_panel: Words = None,
     report: Paths = None,
 ) -> Model:
-    """Identify a diffusive model from a record: thermal resistances on a logarithmic grid of rates
-    (diffusive mesh), with standard errors.
+    """Identify a thermal model from a record, with standard errors.
+
+    The model is diffusive: thermal resistances on a logarithmic grid of rates (diffusive mesh).
 
     The record is a recording of `anemo run`, or any table that a logger writes with the time in its
     first column. Gaps end a segment, across which nothing is taken. Options not given are chosen by
@@ -52,8 +53,7 @@ def identify(
     ----------
     records
         The record: .parquet or .csv files; several are segments of one record, or one segment where
-        each goes on where the one before ended. Or the sums of all of its parts, .gram files of
-        `anemo gram`, in any order
+        each goes on where the one before ended
     output_file
         Write the model to this .json file
     input
@@ -184,166 +184,6 @@ def identify(
     )
 
 
-def gram(
-    *files: Source,
-    plan: Paths = None,
-    output_file: Paths = None,
-    input: Words = None,
-    output: Words = None,
-    event: Number = None,
-    columns: Words = None,
-    time_unit: Number = None,
-    sample_period: Number = None,
-    structure: Number = None,
-    gas_temperature: Number = None,
-    ambient: Number = None,
-    reference: Number = None,
-    order: Number = None,
-    mesh: Number = None,
-    cross_order: Number = None,
-    cross_mesh: Number = None,
-    ridge: Number = None,
-    non_negative: Number = None,
-    initial_state: Number = None,
-    feed_through: Number = None,
-    dead_time: Number = None,
-    free_poles: Number = None,
-    tie: bool = False,
-    losses: Number = None,
-    drift: Number = None,
-) -> Report:
-    """Sum the parts of a long record, on as many machines as there are, for `anemo identify`.
-
-    First a plan is made of all parts, in their order: it holds what is tried, and where each part
-    stands. Then each part is summed by itself, with the plan. Sums of neighbours may be joined.
-    From all sums `anemo identify` makes the model of the whole record with `--losses none`, to the
-    last digit. Parts are files that go on where the one before ended, recordings of the same head,
-    or both; gaps may be anywhere.
-
-    Parameters
-    ----------
-    files
-        All parts of a record, or all recordings, for a plan; with --plan, one of them; or .gram
-        files of neighbours, in any order, to be joined
-    plan
-        Sum a part of the record for which this plan was made
-    output_file
-        Write the plan to this .plan file, or the sums to this .gram file
-    input
-        Input columns, or elements; by default a recording's powers that vary, another table's
-        columns that change between the first and the last
-    output
-        Output columns, or elements; by default the temperatures of a recording's inputs, another
-        table's last column
-    event
-        Column with the labels of the conditions (winds); by default a text column `event`, in
-        another table than a recording also `class`, `wind`, `condition`, `phase` or `label`
-    columns
-        Names of all columns, in their order: for a table without a line of names, or in place of
-        them
-    time_unit
-        Unit of the times; by default what their column's name says (`time_ms`, `t [min]`), or s
-        - "s"
-        - "ms"
-        - "us"
-        - "min"
-        - "h"
-        - "d"
-    sample_period
-        Distance of the rows in time, s, for a table without times
-    structure
-        `symbol`: a time-constant spectrum a class; `conductance`: one spectrum, and a conductance a
-        class
-        - "symbol"
-        - "conductance"
-    gas_temperature
-        Gas temperature for --structure conductance, °C, or its column; estimated if not given
-    ambient
-        Measured temperature of the surroundings, which the output follows with relaxations of its
-        own: a column in °C. For structure `symbol`
-    reference
-        Class from whose conductance the others are counted; by default the least
-    order
-        Number of rates, 100 at most
-    mesh
-        Edges of the logarithmic grid of rates (diffusive mesh), rad/s
-    cross_order
-        Number of rates of cross-heating pairs: input i and output i are of one element
-        (self-heating)
-    cross_mesh
-        Edges of the grid of cross-heating pairs, rad/s; by default number and edges are those of
-        the others
-    ridge
-        Ridge on columns of unit norm; 0 for plain least squares
-    non_negative
-        Resistances that may not be negative: `auto` (unless cross-validation rejects it; none, of
-        structure `conductance`), `all`, `none`, or pairs as INPUT:OUTPUT,…
-        By default auto.
-    initial_state
-        Initial state of the record
-        - "rest": All states zero
-        - "settled": As if the first row's inputs had been held for ever
-        - "free": Anything
-    feed_through
-        Whether the output may follow its input at once. This and --dead-time are searched for,
-        unless both --order and --mesh are given
-    dead_time
-        Samples by which the output is late
-    free_poles
-        Number of free rates of an output, 1 to 8, for a small model; the fit starts from that on
-        the grid
-    tie
-        Reciprocal pairs: resistances from input i to output j are those from input j to output i
-    losses
-        Losses that grow with temperature: power less g (T − T₀)², T₀ being the temperature without
-        heating
-        - "none": Heat is lost in proportion to temperature
-        - "growing": g ≥ 0 of every element is estimated
-        - "auto": As `growing` where the record leaves no doubt, else as `none`
-        By default auto.
-    drift
-        Whether the offset moves, as a room's temperature does
-        - "auto": If the record shows it: kind and size of most evidence
-        - "none": It stands; nothing is averaged either
-        - "random-walk": A level with increments that have no memory
-        - "integrated-walk": A slope with such increments
-        - "correlated": A level that returns within a correlation time
-        By default auto.
-    """
-    return call(
-        "gram",
-        (*files,),
-        {
-            "--plan": plan,
-            "--output-file": output_file,
-            "--input": several(input),
-            "--output": several(output),
-            "--event": event,
-            "--columns": several(columns),
-            "--time-unit": time_unit,
-            "--sample-period": sample_period,
-            "--structure": structure,
-            "--gas-temperature": gas_temperature,
-            "--ambient": ambient,
-            "--reference": reference,
-            "--order": order,
-            "--mesh": mesh,
-            "--cross-order": cross_order,
-            "--cross-mesh": cross_mesh,
-            "--ridge": ridge,
-            "--non-negative": non_negative,
-            "--initial-state": initial_state,
-            "--feed-through": feed_through,
-            "--dead-time": dead_time,
-            "--free-poles": free_poles,
-            "--tie": flag(tie),
-            "--losses": losses,
-            "--drift": drift,
-        },
-        Report,
-    )
-
-
 def validate(
     model: Source,
     record: Source,
@@ -367,7 +207,7 @@ def validate(
     Parameters
     ----------
     model
-        The model: a .json file of `anemo identify`, `merge` or `reduce`
+        The model: a .json file of `anemo identify` or `anemo model`
     record
         The record: a .parquet or .csv file
     input
@@ -426,93 +266,13 @@ def validate(
     )
 
 
-def laws(
-    *records: Source,
-    input: Words = None,
-    output: Words = None,
-    event: Number = None,
-    columns: Words = None,
-    time_unit: Number = None,
-    sample_period: Number = None,
-    until: Number = None,
-    held_out: Number = None,
-    plot: Paths = None,
-    plot_width: Number = None,
-    plot_panel: Words = None,
-) -> Report:
-    """Compare simple laws of response (exponentials, stretched exponential, square root of time) with
-    a diffusive model, by what they forecast.
-
-    All are fitted to the first part of a record of one input and one output, such as symbols ±1 and
-    the voltage shift of a dielectric that charges, or power and temperature of a heater. The rest
-    is forecast from its input, and no output of it is looked at. Each law has an unknown rest
-    value, and for the time before the record an unknown decay of its own shape. The diffusive model
-    is that of `anemo identify` without options. The picture shows the output, every law, and the
-    residuals of each.
-
-    Parameters
-    ----------
-    records
-        The record: .parquet or .csv files, each of which goes on where the one before ended
-    input
-        Input columns, or elements; by default a recording's powers that vary, another table's
-        columns that change between the first and the last
-    output
-        Output columns, or elements; by default the temperatures of a recording's inputs, another
-        table's last column
-    event
-        Column with the labels of the conditions (winds); by default a text column `event`, in
-        another table than a recording also `class`, `wind`, `condition`, `phase` or `label`
-    columns
-        Names of all columns, in their order: for a table without a line of names, or in place of
-        them
-    time_unit
-        Unit of the times; by default what their column's name says (`time_ms`, `t [min]`), or s
-        - "s"
-        - "ms"
-        - "us"
-        - "min"
-        - "h"
-        - "d"
-    sample_period
-        Distance of the rows in time, s, for a table without times
-    until
-        Fit the rows before this time, s; the others are held out
-    held_out
-        Share of the rows that is held out, at the end; 0.5 if neither is given
-    plot
-        Draw a picture into this .svg, .pdf or .png file
-    plot_width
-        Width of the picture, 60 to 400 mm: 180 (the default) is two columns of a journal, 88 one.
-        Type keeps its size
-    plot_panel
-        Draw only the panels whose captions begin so
-    """
-    return call(
-        "laws",
-        (*records,),
-        {
-            "--input": several(input),
-            "--output": several(output),
-            "--event": event,
-            "--columns": several(columns),
-            "--time-unit": time_unit,
-            "--sample-period": sample_period,
-            "--until": until,
-            "--held-out": held_out,
-            "--plot": plot,
-            "--plot-width": plot_width,
-            "--plot-panel": several(plot_panel),
-        },
-        Report,
-    )
-
-
 def merge(
     *models: Source,
-    output: Paths = None,
+    output_file: Paths = None,
 ) -> Model:
-    """Join models of different pairs of input and output into one that adds up their responses.
+    """Merge models of different pairs of input and output into one.
+
+    The merged model adds up their responses.
 
     For elements driven one after the other: identify each from its own record, with all outputs,
     and merge. An output of several models has the offset and residuals of the first; `anemo
@@ -522,14 +282,14 @@ def merge(
     ----------
     models
         The models: two or more .json files
-    output
+    output_file
         Write the merged model to this .json file
     """
     return call(
-        "merge",
+        "model merge",
         (*models,),
         {
-            "--output": output,
+            "--output-file": output_file,
         },
         Model,
     )
@@ -541,16 +301,16 @@ def reduce(
     order: Number = None,
     free: bool = False,
     mesh: bool = False,
-    output: Paths = None,
+    output_file: Paths = None,
     toml: Paths = None,
     class_: Number = None,
 ) -> Model:
-    """Make a smaller model in f32, for the board, and report its error
+    """Reduce a model to a few poles in f32, for the board, and report its error
 
     Parameters
     ----------
     model
-        The model: a .json file of `anemo identify`, `merge` or `reduce`
+        The model: a .json file of `anemo identify` or `anemo model`
     order
         Poles a pair, 1 to 8
         By default 8.
@@ -558,7 +318,7 @@ def reduce(
         Place every rate freely (the default)
     mesh
         Keep the rates on a logarithmic grid (diffusive mesh), and place its edges
-    output
+    output_file
         Write the smaller model to this .json file
     toml
         Write the board's table, as an experiment's `models` has it: 8 rates an element that heats
@@ -567,13 +327,13 @@ def reduce(
         Event class of that table, where the model has several
     """
     return call(
-        "reduce",
+        "model reduce",
         (model,),
         {
             "--order": order,
             "--free": flag(free),
             "--mesh": flag(mesh),
-            "--output": output,
+            "--output-file": output_file,
             "--toml": toml,
             "--class": class_,
         },
@@ -589,14 +349,14 @@ def export(
     class_: Number = None,
     points: Number = None,
     network: Number = None,
-    output: Paths = None,
+    output_file: Paths = None,
 ) -> Report:
-    """Write a model as a network, a netlist, a table or source text
+    """Export a model as a network, a netlist, a table or source text
 
     Parameters
     ----------
     model
-        The model: a .json file of `anemo identify`, `merge` or `reduce`
+        The model: a .json file of `anemo identify` or `anemo model`
     as_
         
         - "foster": Resistor and capacitor of every pole, side by side and in series
@@ -621,11 +381,11 @@ def export(
         - "foster": Resistor and capacitor side by side, in series: any model
         - "cauer": A ladder: models without negative resistances
         By default foster.
-    output
+    output_file
         Write to this file instead of stdout
     """
     return call(
-        "export",
+        "model export",
         (model,),
         {
             "--as": as_,
@@ -633,7 +393,7 @@ def export(
             "--class": class_,
             "--points": points,
             "--network": network,
-            "--output": output,
+            "--output-file": output_file,
         },
         Report,
     )
@@ -654,8 +414,10 @@ def analyse(
     plot_width: Number = None,
     plot_panel: Words = None,
 ) -> Report:
-    """Analyse a closed loop from a model: whether it can hold a set-point, and how fast its power
-    responds.
+    """Analyse a given loop on a model: does it hold, and how fast.
+
+    `design` chooses a loop from requirements. `analyse` examines one given loop at its set-point.
+    `predict` predicts the powers of a whole experiment.
 
     In the limit of fast sampling the time constants of a loop at its set-point are the transmission
     zeros of the model. One class of one pair is analysed, and every change of the wind from it. The
@@ -664,7 +426,7 @@ def analyse(
     Parameters
     ----------
     model
-        The model: a .json file of `anemo identify`, `merge` or `reduce`
+        The model: a .json file of `anemo identify` or `anemo model`
     pair
         Pair, where the model has several: columns (power_w_a:temperature_c_b) or elements (a:b)
     element
@@ -726,14 +488,17 @@ def design(
     response: Number = None,
     reach: Number = None,
 ) -> Report:
-    """Recommend levels, sample period and set-point for a closed loop, from a model and requirements.
+    """Choose levels, sample period and set-point of a loop on a model.
+
+    `design` chooses a loop from requirements. `analyse` examines one given loop at its set-point.
+    `predict` predicts the powers of a whole experiment.
 
     The recommended loop is simulated on the model, and the result printed beside the prediction.
 
     Parameters
     ----------
     model
-        The model: a .json file of `anemo identify`, `merge` or `reduce`
+        The model: a .json file of `anemo identify` or `anemo model`
     target
         Set-point, K above the temperature without heating (of the first wind), or a range that
         would do
@@ -790,13 +555,17 @@ def predict(
     against: Paths = None,
     from_: Number = None,
     window: Number = None,
-    output: Paths = None,
+    output_file: Paths = None,
     plot: Paths = None,
     plot_width: Number = None,
     plot_panel: Words = None,
 ) -> Report:
-    """Predict the power that an experiment's loops will take, from a model that was identified open
-    loop.
+    """Predict the powers of an experiment's loops from a model.
+
+    The model was identified open loop.
+
+    `design` chooses a loop from requirements. `analyse` examines one given loop at its set-point.
+    `predict` predicts the powers of a whole experiment.
 
     There are two predictions: the limit of infinitely fast sampling, in which the power of a
     regulated element is the equivalent control, and the one-bit rule at the experiment's sample
@@ -810,7 +579,7 @@ def predict(
     Parameters
     ----------
     model
-        The model: a .json file of `anemo identify`, `merge` or `reduce`
+        The model: a .json file of `anemo identify` or `anemo model`
     experiment
         The experiment: a TOML file
     against
@@ -824,7 +593,7 @@ def predict(
     window
         Window of the decimator, s, 2 to 1625 sample periods; by default 1 s, or 20 of them if
         longer
-    output
+    output_file
         Write predicted powers (`limit_w_…`, `sampled_w_…`) of every tick to this .csv or .parquet
         file
     plot
@@ -842,7 +611,7 @@ def predict(
             "--against": against,
             "--from": from_,
             "--window": window,
-            "--output": output,
+            "--output-file": output_file,
             "--plot": plot,
             "--plot-width": plot_width,
             "--plot-panel": several(plot_panel),
@@ -873,7 +642,7 @@ def check(
 def simulate(
     experiment: Source,
     *,
-    output: Paths = None,
+    output_file: Paths = None,
     plot: Paths = None,
     plot_width: Number = None,
     plot_panel: Words = None,
@@ -892,7 +661,7 @@ def simulate(
     ----------
     experiment
         The experiment: a TOML file
-    output
+    output_file
         Record every tick to this .parquet or .csv file, or to a folder of segments
     plot
         Draw a picture into this .svg, .pdf or .png file
@@ -906,7 +675,7 @@ def simulate(
         "run",
         (experiment,),
         {
-            "--output": output,
+            "--output-file": output_file,
             "--plot": plot,
             "--plot-width": plot_width,
             "--plot-panel": several(plot_panel),
@@ -918,21 +687,23 @@ def simulate(
 def plot(
     file: Source,
     *,
-    output: Paths = None,
+    output_file: Paths = None,
     width: Number = None,
     format: Number = None,
     panel: Words = None,
     from_: Number = None,
     to: Number = None,
 ) -> Report:
-    """Draw a recording (wind, temperatures, powers and heater bits over time) or a model
-    (time-constant spectra, frequency responses, structure functions)
+    """Draw a recording or a model.
+
+    A recording gives wind, temperatures, powers and heater bits over time; a model time-constant
+    spectra, frequency responses and structure functions.
 
     Parameters
     ----------
     file
         The recording, a .parquet or .csv file, or the model, a .json file
-    output
+    output_file
         The picture: a .svg, .pdf or .png file, or what --format says
     width
         Width of the picture, 60 to 400 mm: 180 (the default) is two columns of a journal, 88 one.
@@ -953,7 +724,7 @@ def plot(
         "plot",
         (file,),
         {
-            "--output": output,
+            "--output-file": output_file,
             "--width": width,
             "--format": format,
             "--panel": several(panel),
@@ -964,52 +735,9 @@ def plot(
     )
 
 
-def convert(
-    recording: Source,
-    *,
-    output: Paths = None,
-    start: Number = None,
-    heading: Number = None,
-    up: Number = None,
-) -> Report:
-    """Write a recording as TOA5, NetCDF or a MATLAB file.
-
-    The extension of FILE chooses: .dat is the table of Campbell's loggers (TOA5), .nc NetCDF with
-    the CF conventions, .mat a file of MATLAB and Octave. All keep the recording's names of columns.
-    Where --heading or the recording gives the direction of the head's x axis, `wind_from_deg` is
-    added: the direction from which the wind blows, clockwise from north.
-
-    Parameters
-    ----------
-    recording
-        The recording: a file, a folder of segments, or a pattern in quotes
-    output
-        The file to write: its name ends in .dat, .nc or .mat
-    start
-        When it started, in UTC, in place of the recording's `start_utc`
-    heading
-        Compass direction of the head's x axis, degrees clockwise from north, in place of
-        `heading_deg`
-    up
-        What points up in the head's frame, in place of `up`: 0,0,1 of a head that stands upright,
-        0,0,-1 of one that hangs
-    """
-    return call(
-        "convert",
-        (recording,),
-        {
-            "--output": output,
-            "--start": start,
-            "--heading": heading,
-            "--up": up,
-        },
-        Report,
-    )
-
-
 def identify_head(
     *records: Source,
-    output: Paths = None,
+    output_file: Paths = None,
     head: Paths = None,
     elements: Words = None,
     own_poles: Number = None,
@@ -1026,7 +754,7 @@ def identify_head(
     ----------
     records
         The records: one .parquet or .csv file an element, in any order
-    output
+    output_file
         Write the network to this .json file
     head
         The head, with the number of layers between elements and surface; by default that of the
@@ -1045,7 +773,7 @@ def identify_head(
         "head identify",
         (*records,),
         {
-            "--output": output,
+            "--output-file": output_file,
             "--head": head,
             "--elements": several(elements),
             "--own-poles": own_poles,
@@ -1132,7 +860,7 @@ def compare_heads(
     heading: Number = None,
     up: Number = None,
     head: Paths = None,
-    output: Paths = None,
+    output_file: Paths = None,
 ) -> Report:
     """Compare a head's wind estimates with a reference anemometer beside it: scale and offset of the
     speed.
@@ -1165,7 +893,7 @@ def compare_heads(
         0,0,-1 of one that hangs
     head
         The calibrated head; by default that of the estimates
-    output
+    output_file
         Write a head with this scale, a .toml file
     """
     return call(
@@ -1179,7 +907,7 @@ def compare_heads(
             "--heading": heading,
             "--up": up,
             "--head": head,
-            "--output": output,
+            "--output-file": output_file,
         },
         Report,
     )
@@ -1190,7 +918,7 @@ def calibrate(
     network: Number = None,
     time_constant: Number = None,
     head: Paths = None,
-    output: Paths = None,
+    output_file: Paths = None,
     winds: Paths = None,
     settle: Number = None,
     form: Number = None,
@@ -1204,7 +932,7 @@ def calibrate(
     gravity: Number = None,
     direction_error_max_deg: Number = None,
 ) -> Head:
-    """Calibrate a head in known winds, so that it outputs wind instead of power.
+    """Calibrate a head in known winds.
 
     The recordings are runs in a tunnel of known winds, at constant temperature, current or power.
     With the quiescent-gas network they give the convective loss of each surface in every steady
@@ -1230,7 +958,7 @@ def calibrate(
     head
         The head; by default the one that the first recording carries. Elements with a `normal` are
         its surfaces: outward of a sphere or a cylinder, of a wire across it towards the wind
-    output
+    output_file
         Write the calibrated head to this .toml file
     winds
         Winds by label, a .csv or .parquet file; by default those of the recordings (simulated
@@ -1283,7 +1011,7 @@ def calibrate(
             "--network": network,
             "--time-constant": time_constant,
             "--head": head,
-            "--output": output,
+            "--output-file": output_file,
             "--winds": winds,
             "--settle": settle,
             "--form": form,
@@ -1319,7 +1047,7 @@ def wind(
     settle: Number = None,
     field_correction: Number = None,
     write_head: Paths = None,
-    output: Paths = None,
+    output_file: Paths = None,
     plot: Paths = None,
     plot_width: Number = None,
     plot_panel: Words = None,
@@ -1383,7 +1111,7 @@ def wind(
         - "both"
     write_head
         Write a head with these corrections, a .toml file
-    output
+    output_file
         Write the estimates to this .parquet or .csv file
     plot
         Draw a picture into this .svg, .pdf or .png file
@@ -1412,7 +1140,7 @@ def wind(
             "--settle": settle,
             "--field-correction": field_correction,
             "--write-head": write_head,
-            "--output": output,
+            "--output-file": output_file,
             "--plot": plot,
             "--plot-width": plot_width,
             "--plot-panel": several(plot_panel),
@@ -1428,13 +1156,15 @@ def combine(
     winds: Paths = None,
     from_: Number = None,
     settle: Number = None,
-    output: Paths = None,
+    output_file: Paths = None,
     plot: Paths = None,
     plot_width: Number = None,
     plot_panel: Words = None,
 ) -> Table:
-    """Combine instruments that each see a part of the wind: cards or boards round a boom, booms,
-    cylinders or wires on different axes, a vane.
+    """Combine instruments that each see a part of the wind.
+
+    Instruments are cards or boards round a boom, booms, cylinders or wires on different axes, a
+    vane.
 
     The files are those of `anemo wind`, one an instrument; a single element knows the speed only.
     In known winds from everywhere, or all around a plane (a tunnel, simulated or with --winds), it
@@ -1460,7 +1190,7 @@ def combine(
     settle
         So much at the beginning of every label does not count, s
         By default 0.
-    output
+    output_file
         Write the combination to this .json file, or with --by the winds to this .parquet or .csv
         file
     plot
@@ -1480,7 +1210,7 @@ def combine(
             "--winds": winds,
             "--from": from_,
             "--settle": settle,
-            "--output": output,
+            "--output-file": output_file,
             "--plot": plot,
             "--plot-width": plot_width,
             "--plot-panel": several(plot_panel),
@@ -1500,9 +1230,9 @@ def meteorology(
     bandwidth: Number = None,
     temperature_bandwidth: Number = None,
     gravity: Number = None,
-    output: Paths = None,
+    output_file: Paths = None,
 ) -> Report:
-    """Average the wind of a recording as meteorology does: means, gusts, turbulence.
+    """Average the wind of a recording: means, gusts, turbulence.
 
     The recording is a file of `anemo wind` or `anemo combine`, a run or a log of a calibrated head.
     Of every interval: scalar and vector mean, direction from which it blows, standard deviations of
@@ -1535,7 +1265,7 @@ def meteorology(
     gravity
         Gravity, m/s²: 3.71 on Mars
         By default 9.80665.
-    output
+    output_file
         Write the averages to this .parquet or .csv file, a row an interval
     """
     return call(
@@ -1550,7 +1280,7 @@ def meteorology(
             "--bandwidth": bandwidth,
             "--temperature-bandwidth": temperature_bandwidth,
             "--gravity": gravity,
-            "--output": output,
+            "--output-file": output_file,
         },
         Report,
     )
@@ -1558,9 +1288,7 @@ def meteorology(
 
 __all__ = [
     "identify",
-    "gram",
     "validate",
-    "laws",
     "merge",
     "reduce",
     "export",
@@ -1570,7 +1298,6 @@ __all__ = [
     "check",
     "simulate",
     "plot",
-    "convert",
     "identify_head",
     "check_head",
     "compare_heads",
