@@ -6,7 +6,7 @@ use indicatif::ProgressBar;
 
 use crate::choice::choice;
 use crate::output::{Failure, head_of, warn};
-use anemometry::calibrate::error::CalibratorError;
+use anemometry::calibrate::steady_wind::CalibratorError;
 use anemometry::calibrate::{
     CalibrationReport, Calibrator, DrawnOptions, Gravity, LossLaw, NetworkSource, SteadyTable, SteadyWind, steady_table,
 };

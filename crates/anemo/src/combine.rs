@@ -11,7 +11,7 @@ use anemometry::combine::instrument::InstrumentKind;
 use anemometry::combine::readings::{COMBINES, CombinedReadings, RowsThatCount};
 use anemometry::combine::report::{CombinedReport, fit};
 use anemometry::combine::space::WindSpace;
-use anemometry::combine::vane::Vane;
+use anemometry::combine::instrument::Vane;
 use anemometry::combine::{Combination, CombinedWind};
 use anemometry::vector::length;
 use anemometry::wind::given_winds;

@@ -7,7 +7,7 @@ use crate::output::{Failure, has_elements, head_of};
 use crate::picture::PictureArguments;
 use crate::recorded::RecordingOutputs;
 use anemometry::head::{Head, WindOutput};
-use anemometry::wind::error::WindError;
+use anemometry::wind::off_line::WindError;
 use anemometry::wind::field_correction::{FieldCorrection, SlowErrorKind};
 use anemometry::wind::gas_uncertainty::GasUncertainty;
 use anemometry::wind::given_winds;

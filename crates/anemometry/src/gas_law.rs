@@ -15,7 +15,7 @@ use dr_core::wind::GasLawConfig;
 use dr_core::wind::gas_law::TERMS;
 use nalgebra::{SMatrix, SVector};
 
-use crate::gas::{GasError, IdealGas, Species, ZERO_CELSIUS_K};
+use super::gas::{GasError, IdealGas, Species, ZERO_CELSIUS_K};
 
 /// Any will do: viscosity and conductivity do not depend on it, nor does p/(ρT).
 const PRESSURE_PA: f64 = 1000.0;

@@ -2,7 +2,7 @@
 
 use anemometry::calibrate::surfaces::equations::{LAST, SurfaceProblem};
 use anemometry::calibrate::surfaces::family::AmplitudeFamily;
-use anemometry::calibrate::surfaces::folds::folds;
+use anemometry::calibrate::surfaces::cross_validation::folds;
 use anemometry::calibrate::surfaces::readings::{ready, winds};
 use anemometry::calibrate::{DrawnSurfaces, Gravity, Scheme, SoughtConvection};
 use dr_core::wind::HeadForm;

@@ -1,16 +1,17 @@
 //! From a head, its quiescent-gas network and its steady winds to the calibrated head.
 
-use dr_core::wind::{HeadForm, SurfaceConfig};
+use diffusive::model::Model;
+use dr_core::wind::HeadForm;
 use recording::RecordingError;
 use recording::text::count;
 
+use super::card;
+use super::card::calibration::CardCalibration;
 use super::card::drawn::DrawnCard;
-use super::card::{self, calibration::CardCalibration};
 use super::cross_validation::{CrossValidation, Scheme};
 use super::drawn::{DrawnOptions, drawn, named};
-use super::error::{CalibrateError, CalibratorError};
 use super::steady_table::SteadyTable;
-use super::steady_wind::SteadyWind;
+use super::steady_wind::{CalibrateError, CalibratorError, SteadyWind};
 use super::steady_winds::{ObservedHead, SteadyWindSearch};
 use super::surfaces::calibration::SurfaceCalibration;
 use super::surfaces::choice::{ConvectionOptions, chosen};
@@ -18,13 +19,12 @@ use super::surfaces::cross_validation::cross_validate;
 use super::surfaces::readings::{DrawnSurfaces, LossLaw};
 use super::surfaces::solve::calibrate;
 use super::uncertainty::uncertainty;
+
 use crate::gas::Species;
-use crate::head::calibration::conditions::CalibrationConditions;
-use crate::head::calibration::table::{CalibrationTable, SurfaceTable, UncertaintyTable};
+use crate::head::calibration::table::{CalibrationConditions, CalibrationTable, SurfaceTable, UncertaintyTable};
 use crate::head::file::Head;
 use crate::network::parameters::QuiescentNetwork;
 use crate::wind::given_winds::GivenWinds;
-use diffusive::model::Model;
 
 /// Greatest number of folds of the cross-validation.
 const FOLDS: usize = 10;
@@ -107,22 +107,21 @@ impl<'a> Calibrator<'a> {
         options: &DrawnOptions,
         law: Option<LossLaw>,
     ) -> Result<Self, CalibratorError> {
+        let refuse = |sentence: &str| Err(CalibratorError::Options(sentence.to_owned()));
         if let Some((places, drawn)) = card(head, options)? {
             if options.film_share.is_some() {
-                let sentence = "--properties is of surfaces round a body: the law of a card has its own numbers";
-                return Err(CalibratorError::Options(sentence.to_owned()));
+                return refuse("--properties is of surfaces round a body: the law of a card has its own numbers");
             }
             if matches!(network, NetworkSource::Table { .. }) {
-                let sentence = "dice of one card warm each other: in place of --time-constant they need --network";
-                return Err(CalibratorError::Options(sentence.to_owned()));
+                return refuse("dice of one card warm each other: in place of --time-constant they need --network");
             }
             return Self::of(head, network, options, (places, None), (DrawnHead::Card(drawn), None));
         }
         let (places, drawn) = drawn(head, options, law.unwrap_or(LossLaw::Spline))?;
         if matches!(law, Some(LossLaw::King { .. })) && !has_law(drawn.form) {
-            let sentence =
-                "--law king is of a single element or of wires: round a sphere or a cylinder each order has its own";
-            return Err(CalibratorError::Options(sentence.to_owned()));
+            return refuse(
+                "--law king is of a single element or of wires: round a sphere or a cylinder each order has its own",
+            );
         }
         let reference = head.elements.iter().position(|element| element.name == recording::REFERENCE);
         Self::of(head, network, options, (places, reference), (DrawnHead::Surfaces(drawn), law))
@@ -191,13 +190,14 @@ impl<'a> Calibrator<'a> {
             // A network by the table itself has taken still gas out of the readings.
             calibration.surfaces.iter_mut().for_each(|surface| surface.is_quiescent_fitted = false);
         }
-        let (winds, form, diameter_m, nusselt, card) = match &result {
+        let (winds, form, diameter_m, nusselt, card, convection) = match &result {
             CalibrationResult::Surfaces { calibration: of, .. } => {
-                (count(of.winds, "wind"), of.form, of.diameter_m, Some(of.curves.clone()), None)
+                let (nusselt, convection) = (Some(of.curves.clone()), of.convection.clone());
+                (count(of.winds, "wind"), of.form, of.diameter_m, nusselt, None, convection)
             }
             CalibrationResult::Card { calibration: of, .. } => {
                 let winds = format!("{} winds in the plane of a card,", of.winds);
-                (winds, HeadForm::Sphere, of.drawn.side_m, None, Some(of.curves.clone()))
+                (winds, HeadForm::Sphere, of.drawn.side_m, None, Some(of.curves.clone()), None)
             }
         };
         let overall = result.cross_validation().overall();
@@ -217,10 +217,7 @@ impl<'a> Calibrator<'a> {
             reference: reference.map(|element| head.elements[element].name.clone()),
             nusselt,
             card,
-            convection: match &result {
-                CalibrationResult::Surfaces { calibration, .. } => calibration.convection.clone(),
-                CalibrationResult::Card { .. } => None,
-            },
+            convection,
             uncertainty: self.uncertainty(&result, steady)?,
             correction: None,
             surfaces: self.surfaces(&result),
@@ -290,7 +287,7 @@ impl<'a> Calibrator<'a> {
 
     fn surfaces(&self, result: &CalibrationResult) -> Vec<SurfaceTable> {
         // Geometry, gain and conductance in quiescent gas.
-        let found: Vec<(SurfaceConfig, f64, f64)> = match result {
+        let found: Vec<_> = match result {
             CalibrationResult::Surfaces { calibration, .. } => {
                 calibration.surfaces.iter().map(|of| (of.config, of.gain, of.quiescent_w_k)).collect()
             }
@@ -299,11 +296,9 @@ impl<'a> Calibrator<'a> {
                 dice.map(|(config, gain)| (config, gain, calibration.quiescent_w_k)).collect()
             }
         };
-        let names = self.observed.surfaces.iter().map(|&place| self.observed.head.elements[place].name.clone());
-        names
-            .zip(found)
-            .map(|(name, (config, gain, quiescent_w_k))| SurfaceTable::new(name, config, gain, quiescent_w_k))
-            .collect()
+        let ObservedHead { head, surfaces, .. } = &self.observed;
+        let names = surfaces.iter().map(|&place| head.elements[place].name.clone());
+        names.zip(found).map(|(name, (config, gain, g0_w_k))| SurfaceTable::new(name, config, gain, g0_w_k)).collect()
     }
 }
 
@@ -319,7 +314,7 @@ fn surfaces_by(drawn: &DrawnSurfaces, steady: &[SteadyWind]) -> Result<Calibrati
     let directions = cross_validate(drawn, steady, by_direction, FOLDS)?;
     let rms_deg = directions.overall().direction_rms_deg;
     if rms_deg > MOST_DIRECTION_DEG {
-        return Err(CalibrateError::Direction { rms_deg });
+        return Err(CalibrateError::Direction(rms_deg));
     }
     Ok(CalibrationResult::Surfaces {
         calibration,
@@ -353,9 +348,8 @@ fn card(head: &Head, options: &DrawnOptions) -> Result<Option<(Vec<usize>, Drawn
     let like = |normal: &[f64; 3]| normals.iter().filter(|of| **of == *normal).count();
     let Some(normal) = normals.iter().find(|normal| like(normal) > 1) else { return Ok(None) };
     if like(normal) < normals.len() {
-        let sentence =
-            "--elements: dice of one card have the same outward `normal` in the head, parts of one body all others";
-        return Err(CalibratorError::Options(sentence.to_owned()));
+        let sentence = ": dice of one card have the same outward `normal` in the head, parts of one body all others";
+        return Err(CalibratorError::Options(format!("--elements{sentence}")));
     }
     if places.len() != 4 {
         let sentence = format!("--elements names {} with one `normal`: a card has four dice", places.len());
@@ -368,11 +362,11 @@ fn card(head: &Head, options: &DrawnOptions) -> Result<Option<(Vec<usize>, Drawn
 mod tests {
     use std::path::Path;
 
+    use super::super::drawn::surfaces_of;
+    use super::super::steady_wind::SurfaceReading;
+    use super::super::surfaces::readings::DrawnSurface;
+    use super::super::surfaces::sought::SoughtConvection;
     use super::*;
-    use crate::calibrate::drawn::surfaces_of;
-    use crate::calibrate::steady_wind::SurfaceReading;
-    use crate::calibrate::surfaces::readings::DrawnSurface;
-    use crate::calibrate::surfaces::sought::SoughtConvection;
     use crate::gas::IdealGas;
     use crate::vector::{dot, unit};
 
@@ -418,7 +412,7 @@ mod tests {
     #[test]
     fn winds_that_wires_see_mirrored_are_refused() {
         let mirrored = |normals, within_deg| match films(normals, 0.2, 60, within_deg) {
-            Err(CalibrateError::Mirrored { labels }) => labels.len(),
+            Err(CalibrateError::Mirrored(labels)) => labels.len(),
             Err(error) => panic!("{error}"),
             Ok(_) => 0,
         };

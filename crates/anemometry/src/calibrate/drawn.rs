@@ -1,14 +1,16 @@
 //! A head as drawn: what its surfaces belong to, and which part of it each of them is.
 
+use std::f64::consts::PI;
+
 use dr_core::ConfigError;
 use dr_core::wind::nusselt::ORDERS;
 use dr_core::wind::{HeadForm, MOST_SURFACES, NusseltSurface, SurfaceConfig, sphere};
 use recording::text::suggest;
-use std::f64::consts::PI;
 
-use super::error::CalibratorError;
+use super::steady_wind::CalibratorError;
 use super::surfaces::readings::{DrawnSurface, DrawnSurfaces, LossLaw};
 use super::surfaces::sought::{Gravity, SoughtConvection};
+
 use crate::head::body::Correlation;
 use crate::head::file::Head;
 use crate::vector::{across, cross, dot, length, unit};
@@ -57,28 +59,15 @@ impl Default for DrawnOptions {
     }
 }
 
-/// Form and sizes that the head's body states.
-struct StatedBody {
-    form: Option<HeadForm>,
-    diameter_m: Option<f64>,
-    length_m: Option<f64>,
-}
-
-impl StatedBody {
-    /// By the first law of a body's convection that is about a shape.
-    fn of(head: &Head) -> Self {
-        let laws = head.body.iter().flat_map(|body| &body.convection);
-        let shape = laws.map(|of| &of.correlation).find_map(|law| match law {
-            Correlation::Sphere { diameter_m } => Some((HeadForm::Sphere, *diameter_m, None)),
-            Correlation::Cylinder(shape) => Some((HeadForm::Cylinder, shape.diameter_m, Some(shape.length_m))),
-            Correlation::Wire(shape) => Some((HeadForm::Wires, shape.diameter_m, Some(shape.length_m))),
-            Correlation::Plate(_) | Correlation::King(_) | Correlation::Table(_) | Correlation::Boom(_) => None,
-        });
-        match shape {
-            Some((form, diameter_m, length_m)) => Self { form: Some(form), diameter_m: Some(diameter_m), length_m },
-            None => Self { form: None, diameter_m: None, length_m: None },
-        }
-    }
+/// Form, diameter and length by the first law of a body's convection that is about a shape, m.
+fn stated(head: &Head) -> Option<(HeadForm, f64, Option<f64>)> {
+    let mut laws = head.body.iter().flat_map(|body| &body.convection).map(|of| &of.correlation);
+    laws.find_map(|law| match law {
+        Correlation::Sphere { diameter_m } => Some((HeadForm::Sphere, *diameter_m, None)),
+        Correlation::Cylinder(shape) => Some((HeadForm::Cylinder, shape.diameter_m, Some(shape.length_m))),
+        Correlation::Wire(shape) => Some((HeadForm::Wires, shape.diameter_m, Some(shape.length_m))),
+        Correlation::Plate(_) | Correlation::King(_) | Correlation::Table(_) | Correlation::Boom(_) => None,
+    })
 }
 
 /// Places of elements in a head, in the order of their names.
@@ -89,17 +78,18 @@ pub fn named(head: &Head, elements: &[String]) -> Result<Vec<usize>, CalibratorE
     let names = head.names();
     let mut places = Vec::new();
     for name in elements {
+        let refuse = |sentence: String| CalibratorError::Options(format!("--elements{sentence}"));
         let place = names.iter().position(|known| known == name).ok_or_else(|| {
             let hint = suggest(name, names.iter().copied());
-            CalibratorError::Options(format!("--elements: `{name}` is no element of head `{}`; {hint}", head.name))
+            refuse(format!(": `{name}` is no element of head `{}`; {hint}", head.name))
         })?;
         if places.contains(&place) {
-            return Err(CalibratorError::Options(format!("--elements names `{name}` twice")));
+            return Err(refuse(format!(" names `{name}` twice")));
         }
         if head.elements[place].surface_normal().is_none() {
-            return Err(CalibratorError::Options(format!(
-                "--elements: `{name}` of head `{}` is no surface: it has no `normal`, or only senses",
-                head.name
+            let head = &head.name;
+            return Err(refuse(format!(
+                ": `{name}` of head `{head}` is no surface: it has no `normal`, or only senses"
             )));
         }
         places.push(place);
@@ -132,10 +122,10 @@ pub fn drawn(
             normals.len()
         )));
     }
-    let body = StatedBody::of(head);
+    let body = stated(head);
     let form = match options.form {
         Some(form) => form,
-        None => form_of(&normals, body.form).ok_or_else(|| {
+        None => form_of(&normals, body.map(|(form, ..)| form)).ok_or_else(|| {
             refuse(format!(
                 "has {} surfaces whose normals are those of no head: --form says whether they are of a sphere, round a cylinder or wires \
                  in a plane",
@@ -149,25 +139,18 @@ pub fn drawn(
                         instrument";
         return Err(refuse(format!("has {} {sentence}", normals.len())));
     }
-    let diameter_m = options.diameter_m.or(body.diameter_m).unwrap_or(USUAL_M);
-    let length_m = options.length_m.or(body.length_m).unwrap_or(USUAL_M);
+    let diameter_m = options.diameter_m.or(body.map(|(_, diameter_m, _)| diameter_m)).unwrap_or(USUAL_M);
+    let length_m = options.length_m.or(body.and_then(|(.., length_m)| length_m)).unwrap_or(USUAL_M);
     let configs = surfaces_of(form, &normals, diameter_m, length_m);
     let configs = configs.map_err(|error| refuse(format!("has surfaces that cannot be: {error}")))?;
     if form == HeadForm::Single && normals.len() > 1 {
-        return Err(refuse(format!(
-            "has {} elements with a `normal`, and a single element is one: --elements NAME says which",
-            normals.len()
-        )));
+        let given = format!("has {} elements with a `normal`", normals.len());
+        return Err(refuse(format!("{given}, and a single element is one: --elements NAME says which")));
     }
-    let surfaces = outward
-        .iter()
-        .zip(configs)
-        .map(|((place, _), config)| DrawnSurface { name: head.elements[*place].name.clone(), config });
-    let surfaces = surfaces.collect();
-    Ok((
-        outward.iter().map(|(place, _)| *place).collect(),
-        DrawnSurfaces { form, law, diameter_m, surfaces, convection: SoughtConvection::default() },
-    ))
+    let places: Vec<usize> = outward.into_iter().map(|(place, _)| place).collect();
+    let name = |place: &usize| head.elements[*place].name.clone();
+    let surfaces = places.iter().map(name).zip(configs).map(|(name, config)| DrawnSurface { name, config }).collect();
+    Ok((places, DrawnSurfaces { form, law, diameter_m, surfaces, convection: SoughtConvection::default() }))
 }
 
 /// Surfaces with these unit normals, one at least.

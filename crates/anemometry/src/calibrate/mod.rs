@@ -5,21 +5,19 @@
 //! |---|---|
 //! | [`steady_winds`] | steady winds found in recordings |
 //! | [`steady_table`] | steady winds of a user's own table |
-//! | [`steady_wind`] | mean readings in one of them |
+//! | [`steady_wind`] | mean readings in one of them, and why readings are refused |
 //! | [`drawn`] | what the surfaces of a head belong to, and which part of it each is |
 //! | [`surfaces`] | the calibration of surfaces on a sphere, round a cylinder, of wires or of one element |
 //! | [`card`] | the calibration of four dice on a card, in winds of its plane |
-//! | [`compared`], [`cross_validation`] | errors in winds that were left out |
+//! | [`cross_validation`] | errors in winds that were left out |
+//! | [`mod@uncertainty`] | what a calibration adds to the uncertainty of winds |
 //! | [`calibrator`] | from a head, its network and its steady winds to the calibrated head |
 //! | [`report`] | the calibration as text and as JSON |
-//! | [`error`] | what is refused |
 
 pub mod calibrator;
 pub mod card;
-pub mod compared;
 pub mod cross_validation;
 pub mod drawn;
-pub mod error;
 pub mod report;
 pub mod steady_table;
 pub mod steady_wind;
@@ -29,12 +27,12 @@ pub mod uncertainty;
 
 pub use calibrator::{Calibrator, NetworkSource};
 pub use card::drawn::DrawnCard;
-pub use compared::ComparisonSummary;
+pub use cross_validation::ComparisonSummary;
 pub use cross_validation::Scheme;
 pub use drawn::DrawnOptions;
-pub use error::CalibrateError;
 pub use report::CalibrationReport;
 pub use steady_table::SteadyTable;
+pub use steady_wind::CalibrateError;
 pub use steady_wind::{SteadyWind, SurfaceReading};
 pub use surfaces::calibration::SurfaceCalibration;
 pub use surfaces::choice::{ConvectionOptions, chosen};

@@ -4,14 +4,15 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::PathBuf;
 
+use recording::text::{count, short};
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
 use super::calibrator::{CalibratedHead, CalibrationResult};
 use super::card::calibration::CardCalibration;
 use super::surfaces::calibration::SurfaceCalibration;
+
 use crate::head::file::Head;
-use recording::text::{count, short};
 
 /// Bandwidths whose noise is given, Hz.
 const BANDWIDTHS_HZ: [f64; 7] = [0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0];
@@ -161,9 +162,6 @@ impl fmt::Display for CalibrationReport {
         for ConductanceNoise { bandwidth_hz, sd_w_k } in &self.noise {
             writeln!(f, "{bandwidth_hz:>6} Hz  {:>10} mW/K", short(1e3 * sd_w_k, 3))?;
         }
-        if let Some(path) = &self.written {
-            writeln!(f, "\nhead written to {}", path.display())?;
-        }
-        Ok(())
+        self.written.iter().try_for_each(|path| writeln!(f, "\nhead written to {}", path.display()))
     }
 }

@@ -16,21 +16,22 @@
 
 use std::path::Path;
 
+use diffusive::model::Conditions;
 use dr_core::control::MOST_ELEMENTS;
 use dr_core::model::{ConvectionObserverState, TickInput};
 use dr_core::sensor::Level;
-
-use super::steady_wind::{SteadyWind, SurfaceReading};
-use super::steady_winds::{BANDWIDTH_HZ, ObservedHead};
-use crate::gas::{IdealGas, Species, ZERO_CELSIUS_K};
-use crate::head::element::HeadElement;
-use crate::head::file::Head;
-use crate::network::parameters::{CrossHeatingParameters, QuiescentNetwork, ReadingNoise, SelfHeatingParameters};
-use diffusive::model::Conditions;
 use recording::text::tidy;
 use recording::{
     EVENT, GAS_TEMPERATURE, GIVEN_WIND, POWER, Recording, RecordingError, RecordingReader, TEMPERATURE, TIME,
 };
+
+use super::steady_wind::{SteadyWind, SurfaceReading};
+use super::steady_winds::{BANDWIDTH_HZ, ObservedHead};
+
+use crate::gas::{IdealGas, Species, ZERO_CELSIUS_K};
+use crate::head::element::HeadElement;
+use crate::head::file::Head;
+use crate::network::parameters::{CrossHeatingParameters, QuiescentNetwork, ReadingNoise, SelfHeatingParameters};
 
 const SPEED: &str = "speed_m_s";
 const ANGLE: &str = "angle_deg";
@@ -154,18 +155,13 @@ impl SteadyTable {
         let observer = observed.network.observer(BANDWIDTH_HZ, ANY_PERIOD_S);
         let observer = observer.map_err(|error| self.refuse(error.to_string()))?;
         let network = observer.board(ANY_PERIOD_S as f32).map_err(|error| self.refuse(error.to_string()))?;
-        let mut columns = Vec::new();
-        for own in &observed.network.own {
-            let readings = self.readings(&observed.head.elements[own.element], observed.network.own.len())?;
-            columns.push((own.element, readings));
-        }
-        let gas_c = match observed
-            .reference
-            .map(|place| recording::column_name(TEMPERATURE, &observed.head.elements[place].name))
-        {
-            Some(name) if self.table.has(&name) => self.table.finite(&name)?,
-            _ => self.table.finite(GAS_TEMPERATURE)?,
-        };
+        let own = &observed.network.own;
+        let read = |element: usize| Ok((element, self.readings(&observed.head.elements[element], own.len())?));
+        let columns = own.iter().map(|own| read(own.element)).collect::<Result<Vec<_>, RecordingError>>()?;
+        let reference = observed.reference.map(|place| &observed.head.elements[place].name);
+        let reference = reference.map(|name| recording::column_name(TEMPERATURE, name));
+        let reference = reference.filter(|name| self.table.has(name));
+        let gas_c = self.table.finite(reference.as_deref().unwrap_or(GAS_TEMPERATURE))?;
         let (pressure_pa, wind_m_s) = (self.table.finite(PRESSURE)?, self.wind_m_s(observed.head, &observed.surfaces)?);
         let labels = self.table.words(EVENT).ok();
         let row = |row: usize| {
@@ -211,13 +207,9 @@ impl SteadyTable {
         let (power_w, temperature_c) = (column(POWER)?, column(TEMPERATURE)?);
         let high_w = of.power_w(temperature_c[0], Level::High);
         if let Some(row) = power_w.iter().position(|power_w| *power_w > MOST_OF_HIGH * high_w) {
-            return Err(self.refuse(format!(
-                "row {}: `{}` has {} W, and its high level gives {} W: is the power in watts, and the head this one?",
-                row + 1,
-                of.name,
-                tidy(power_w[row]),
-                tidy(high_w)
-            )));
+            let (row, is_w, high_w) = (row + 1, tidy(power_w[row]), tidy(high_w));
+            let powers = format!("row {row}: `{}` has {is_w} W, and its high level gives {high_w} W", of.name);
+            return Err(self.refuse(format!("{powers}: is the power in watts, and the head this one?")));
         }
         Ok((power_w, temperature_c))
     }
@@ -230,11 +222,8 @@ impl SteadyTable {
         }
         let speed_m_s = self.table.finite(SPEED)?;
         if let Some(row) = speed_m_s.iter().position(|speed| *speed < 0.0) {
-            return Err(self.refuse(format!(
-                "row {}: `{SPEED}` is {}, and a speed is not negative",
-                row + 1,
-                speed_m_s[row]
-            )));
+            let (row, speed) = (row + 1, speed_m_s[row]);
+            return Err(self.refuse(format!("row {row}: `{SPEED}` is {speed}, and a speed is not negative")));
         }
         if self.table.has(ANGLE) {
             let from = self.table.finite(ANGLE)?.iter().map(|degrees| degrees.to_radians());

@@ -3,10 +3,13 @@
 
 use std::path::{Path, PathBuf};
 
+use diffusive::model::Conditions;
 use dr_core::control::MOST_ELEMENTS;
 use dr_core::model::{ConvectionObserver, ConvectionObserverState, TickInput};
+use recording::RecordingError;
 
 use super::steady_wind::{SteadyWind, SurfaceReading};
+
 use crate::gas::{IdealGas, Species, ZERO_CELSIUS_K};
 use crate::head::file::Head;
 use crate::network::observer::NetworkObserver;
@@ -15,8 +18,6 @@ use crate::wind::given_winds::GivenWinds;
 use crate::wind::moment::{Moment, TickOrigin};
 use crate::wind::off_line::standing_w;
 use crate::wind::replay::Replay;
-use diffusive::model::Conditions;
-use recording::RecordingError;
 
 /// Bandwidth of the convective powers, Hz: a calibration has time.
 pub const BANDWIDTH_HZ: f64 = 0.5;
@@ -145,10 +146,8 @@ impl SteadyWindSearch<'_> {
         };
         let differences = quiescent.of_another_network(&Conditions { support_temperature_c, ..conditions.clone() });
         if !differences.is_empty() {
-            return Err(refuse(format!(
-                "was taken {}, for which the network was identified: it holds for one gas and one support",
-                differences.join(" and ")
-            )));
+            let taken = format!("was taken {}, for which the network was identified", differences.join(" and "));
+            return Err(refuse(format!("{taken}: it holds for one gas and one support")));
         }
         let observer = self.observed.network.stable_observer(BANDWIDTH_HZ, period_s);
         let observer = observer.map_err(|error| refuse(error.to_string()))?;
@@ -190,10 +189,8 @@ impl SteadyWindCollector<'_> {
             standing_w: &std::array::from_fn(|i| standing_w(observed.head, i, tick.temperature_c[i])),
         };
         if moment.state.starts_with("tripped") {
-            let sentence = format!(
-                "is in state `{}` from {:.2} s on, during `{}`: cut it there",
-                moment.state, moment.time_s, moment.event
-            );
+            let Moment { state, time_s, event, .. } = moment;
+            let sentence = format!("is in state `{state}` from {time_s:.2} s on, during `{event}`: cut it there");
             return Err(RecordingError::new(&self.recording, sentence));
         }
         let convection = self.network.step(&mut self.state, &input);

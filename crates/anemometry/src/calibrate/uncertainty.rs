@@ -25,7 +25,8 @@
 
 use dr_core::wind::calibration_uncertainty::{KNOTS, SpeedScale};
 
-use super::compared::{ComparedWind, StatedError};
+use super::cross_validation::{ComparedWind, StatedError};
+
 use crate::combine::estimate::{chi_square_99, chi_square_quantile};
 use crate::head::calibration::table::UncertaintyTable;
 

@@ -1,14 +1,14 @@
 //! How several instruments answer to winds from everywhere, fitted to known winds.
 
 use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen, Vector3};
+use recording::text;
 use serde::{Deserialize, Serialize};
 
-use super::direction_fit::{DirectionFit, KnownDirections};
 use super::instrument::{InstrumentKind, InstrumentReading, variance};
 use super::readings::KnownWind;
-use super::space::WindSpace;
+use super::space::{DirectionFit, KnownDirections, WindSpace};
+
 use crate::vector::{dot, length, unit};
-use recording::text;
 
 /// A component whose size is a smaller share of the greatest is none.
 const NO_COMPONENT: f64 = 1e-3;
@@ -80,9 +80,8 @@ impl Combination {
     /// instruments do not see enough of them.
     pub fn fit(names: &[String], whats: &[String], known: &[KnownWind]) -> Result<Self, CombineError> {
         if known.is_empty() {
-            let sentence =
-                "no wind is known: the first file has no true winds in rows that count, or --winds not its labels";
-            return Err(CombineError(sentence.to_owned()));
+            let why = "the first file has no true winds in rows that count, or --winds not its labels";
+            return Err(CombineError(format!("no wind is known: {why}")));
         }
         let whole: Vec<&KnownWind> = known.iter().filter(|of| of.readings.iter().all(Option::is_some)).collect();
         let directions = KnownDirections::new(whole.iter().map(|of| unit(of.wind_m_s)).collect());
@@ -91,24 +90,18 @@ impl Combination {
             let seen_by = |i: usize| known.iter().filter(|of| of.readings[i].is_some()).count();
             let least = (0..names.len()).map(|i| (seen_by(i), &names[i])).min();
             let least = least.map_or_else(String::new, |(seen, name)| format!(" ({name}: {seen})"));
-            return Err(CombineError(format!(
-                "{} of {} have estimates of all instruments{least}, in {}; {} directions are the least, and 100 winds from everywhere or all \
-                 around a plane do well",
-                whole.len(),
-                text::count(known.len(), "known wind"),
-                text::count(directions.count, "direction"),
-                directions.least()
-            )));
+            let (known, seen) = (text::count(known.len(), "known wind"), text::count(directions.count, "direction"));
+            let have = format!("{} of {known} have estimates of all instruments{least}, in {seen}", whole.len());
+            let needed = format!("{} directions are the least", directions.least());
+            let sentence = format!("{have}; {needed}, and 100 winds from everywhere or all around a plane do well");
+            return Err(CombineError(sentence));
         }
         spread(&directions)?;
         let axes: Vec<Vec<[f64; 3]>> = (0..names.len()).map(|i| axes(&whole, i)).collect();
         let components: usize = axes.iter().map(Vec::len).sum();
         if components < space.dimensions() {
-            return Err(CombineError(format!(
-                "all instruments together have {}, and these winds have {}",
-                text::count(components, "component"),
-                space.dimensions()
-            )));
+            let (own, winds) = (text::count(components, "component"), space.dimensions());
+            return Err(CombineError(format!("all instruments together have {own}, and these winds have {winds}")));
         }
         let shares: Vec<Vec<f64>> = whole.iter().map(|of| shares_of(of, &axes)).collect();
         let shares = DMatrix::from_fn(whole.len(), components, |row, k| shares[row][k]);

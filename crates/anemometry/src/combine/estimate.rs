@@ -21,6 +21,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Matrix3xX, Vector3};
 use super::combination::Combination;
 use super::instrument::{InstrumentKind, InstrumentReading};
 use super::space::WindSpace;
+
 use crate::vector::{angle_deg, dot};
 
 /// Directions that are searched.

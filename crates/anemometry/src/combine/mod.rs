@@ -20,11 +20,9 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | [`instrument`] | what one says at a time |
+//! | [`instrument`] | what one says at a time; the direction by junctions round a warm core |
 //! | [`readings`] | files of `anemo wind`, row by row and as means of steady winds |
-//! | [`vane`] | the direction by junctions round a warm core |
-//! | [`space`] | directions, and functions of them |
-//! | `direction_fit` | least squares by these, and what they leave of directions that were left out |
+//! | [`space`] | directions, functions of them, and least squares by these |
 //! | [`combination`] | the fit, and the file of it |
 //! | [`estimate`] | the wind |
 //! | [`report`] | errors, as text and as JSON |
@@ -32,13 +30,11 @@
 //! *Limits.* Answers are taken to grow with the speed; what they do besides is part of s.
 
 pub mod combination;
-mod direction_fit;
 pub mod estimate;
 pub mod instrument;
 pub mod readings;
 pub mod report;
 pub mod space;
-pub mod vane;
 
 pub use combination::{Combination, CombineError};
 pub use estimate::CombinedWind;

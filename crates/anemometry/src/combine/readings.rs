@@ -7,8 +7,8 @@ use nalgebra::{Matrix3, Vector3};
 use recording::wind::{DIRECTION_UNCERTAINTY, QUALITY_FLAGS, SPEED_UNCERTAINTY, WIND_ESTIMATE, WIND_SPEED};
 use recording::{EVENT, RAW_CONDUCTANCE, Recording, RecordingError, TIME, TRUE_WIND};
 
-use super::instrument::{InstrumentKind, InstrumentReading};
-use super::vane::Vane;
+use super::instrument::{InstrumentKind, InstrumentReading, Vane};
+
 use crate::vector::length;
 use crate::wind::comparison::SLOWEST_M_S;
 use crate::wind::given_winds::GivenWinds;
@@ -79,10 +79,7 @@ impl CombinedReadings {
     /// # Errors
     /// If one cannot be read, has no wind estimates, or no row at a time of the first.
     pub fn read(paths: &[PathBuf], vanes: &[Vane], winds: Option<&GivenWinds>) -> Result<Self, RecordingError> {
-        let mut files = Vec::new();
-        for path in paths {
-            files.push(InstrumentFile::read(path)?);
-        }
+        let files = paths.iter().map(|path| InstrumentFile::read(path)).collect::<Result<Vec<_>, _>>()?;
         let whats = files.iter().map(|of| of.what.clone()).chain(vanes.iter().map(|of| of.junctions.join(", ")));
         let first = &files[0];
         let near_s = 0.5 * step_s(&first.time_s);
@@ -183,13 +180,9 @@ fn step_s(time_s: &[f64]) -> f64 {
 
 /// Times, each later than the one before.
 fn rising(path: &Path, time_s: &[f64]) -> Result<Vec<f64>, RecordingError> {
-    match time_s.windows(2).position(|pair| pair[1] <= pair[0]) {
-        None => Ok(time_s.to_vec()),
-        Some(row) => {
-            let sentence = format!("has {TIME} {} behind {}, in row {}", time_s[row + 1], time_s[row], row + 2);
-            Err(RecordingError::new(path, sentence))
-        }
-    }
+    let Some(row) = time_s.windows(2).position(|pair| pair[1] <= pair[0]) else { return Ok(time_s.to_vec()) };
+    let sentence = format!("has {TIME} {} behind {}, in row {}", time_s[row + 1], time_s[row], row + 2);
+    Err(RecordingError::new(path, sentence))
 }
 
 /// One file.
@@ -245,13 +238,9 @@ impl InstrumentFile {
                 || !wind_m_s.iter().chain([&speed_u_m_s[row], &direction_u_rad]).all(|x| x.is_finite());
             (!is_none).then(|| InstrumentReading::new(wind_m_s, speed_u_m_s[row], direction_u_rad, kind))
         };
-        let events = match table.has(EVENT) {
-            true => {
-                let words = table.words(EVENT)?;
-                (0..table.len()).map(|row| words.word(row).to_owned()).collect()
-            }
-            false => vec![String::new(); table.len()],
-        };
+        let words = if table.has(EVENT) { Some(table.words(EVENT)?) } else { None };
+        let label = |row: usize| words.map_or_else(String::new, |words| words.word(row).to_owned());
+        let events = (0..table.len()).map(label).collect();
         let surfaces: Vec<&str> = table.behind(RAW_CONDUCTANCE).collect();
         let what = match (table.metadata(COMBINES), table.metadata("head_name")) {
             (Some(combines), _) => combines.to_owned(),
@@ -291,11 +280,10 @@ impl InstrumentFile {
         let all = pairs.count();
         match differ.get(differ.len() / 2) {
             Some((time_s, label, own)) if differ.len() as f64 > OTHER_LABELS * all as f64 => {
-                let sentence = format!(
-                    "has label `{own}` at {time_s} s, where {} has `{label}`, and another at {} of {all} times: are they of one run, with one clock?",
-                    other.path.display(),
-                    differ.len()
-                );
+                let (other, count) = (other.path.display(), differ.len());
+                let first = format!("has label `{own}` at {time_s} s, where {other} has `{label}`");
+                let sentence =
+                    format!("{first}, and another at {count} of {all} times: are they of one run, with one clock?");
                 Err(RecordingError::new(&self.path, sentence))
             }
             _ => Ok(()),

@@ -7,11 +7,11 @@ use recording::text::count;
 use serde::Serialize;
 
 use super::combination::{Combination, CombineError};
-use super::direction_fit::KnownDirections;
 use super::estimate::{CombinedWind, Combiner, chi_square_99};
 use super::instrument::InstrumentKind;
 use super::readings::{CombinedReadings, KnownWind, RowsThatCount};
-use super::space::WindSpace;
+use super::space::{KnownDirections, WindSpace};
+
 use crate::vector::{angle_deg, length, unit};
 use crate::wind::comparison::ErrorSum;
 
@@ -277,15 +277,9 @@ impl fmt::Display for CombinedErrors {
         }
         writeln!(f, "  direction  {rms_deg:.2}° rms, {worst_deg:.2}° at worst")?;
         writeln!(f, "  speed      {rms:.2} % rms, {mean:.2} % mean, {worst:.2} % at worst")?;
-        match (self.direction_within_2u, self.speed_within_2u) {
-            (Some(direction), Some(speed)) => writeln!(
-                f,
-                "  within twice the standard uncertainty, of estimates without a flag: direction {:.0} %, speed {:.0} %",
-                100.0 * direction,
-                100.0 * speed
-            ),
-            _ => Ok(()),
-        }
+        let Some((direction, speed)) = self.direction_within_2u.zip(self.speed_within_2u) else { return Ok(()) };
+        write!(f, "  within twice the standard uncertainty, of estimates without a flag: ")?;
+        writeln!(f, "direction {:.0} %, speed {:.0} %", 100.0 * direction, 100.0 * speed)
     }
 }
 
@@ -314,10 +308,7 @@ impl fmt::Display for CombinationReport {
         }
         write!(f, "\nin winds that were left out, direction by direction\n{}", self.cross_validated)?;
         self.warnings.iter().try_for_each(|warning| writeln!(f, "warning: {warning}"))?;
-        if let Some(path) = &self.written {
-            writeln!(f, "\nwritten to {}", path.display())?;
-        }
-        Ok(())
+        self.written.iter().try_for_each(|path| writeln!(f, "\nwritten to {}", path.display()))
     }
 }
 
@@ -339,9 +330,6 @@ impl fmt::Display for CombinedReport {
         if let Some(errors) = &self.comparison {
             write!(f, "\ncompared with the true wind, {}\n{errors}", count(errors.compared, "estimate"))?;
         }
-        for path in &self.written {
-            writeln!(f, "\nwritten to {}", path.display())?;
-        }
-        Ok(())
+        self.written.iter().try_for_each(|path| writeln!(f, "\nwritten to {}", path.display()))
     }
 }

@@ -5,6 +5,7 @@ use recording::toml_file::FileError;
 use toml::de::{DeTable, DeValue};
 
 use super::file::Head;
+
 use crate::current_ratio::CurrentRatioError;
 
 /// Significant digits of a current that is written; f32 has seven.
@@ -39,16 +40,15 @@ impl Head {
 /// number beside it is.
 fn comment(error: &CurrentRatioError, before_ppm: f64) -> String {
     let CurrentRatioError { error_ppm, error_u_ppm, .. } = error;
+    let measured = |ppm: f64| {
+        format!("  # measured: {ppm:+.1} ppm of the ratio high/low, standard uncertainty {error_u_ppm:.1} ppm")
+    };
     // An f32 has its current to a tenth of a ppm.
     if before_ppm.abs() < 0.2 {
-        return format!(
-            "  # measured: {error_ppm:+.1} ppm of the ratio high/low, standard uncertainty {error_u_ppm:.1} ppm"
-        );
+        return measured(*error_ppm);
     }
     let both_ppm = 1e6 * ((1.0 + 1e-6 * before_ppm) * (1.0 + 1e-6 * error_ppm) - 1.0);
-    format!(
-        "  # measured: {both_ppm:+.1} ppm of the ratio high/low, standard uncertainty {error_u_ppm:.1} ppm; {before_ppm:+.1} ppm before, {error_ppm:+.1} ppm since"
-    )
+    format!("{}; {before_ppm:+.1} ppm before, {error_ppm:+.1} ppm since", measured(both_ppm))
 }
 
 /// The number that a file had: of an f32 the shortest decimal.

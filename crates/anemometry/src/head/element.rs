@@ -1,19 +1,39 @@
-//! An element of a head: one platinum resistor that heats and senses.
+//! An element of a head, one platinum resistor that heats and senses, with its data sheet in f64.
 
 use std::collections::BTreeMap;
 
 use dr_core::ConfigError;
 use dr_core::control::{ElementConfig, EnergyLimit, Limits};
 use dr_core::sensor::{Channel, Level, Platinum};
-
-use super::nominal::{NominalElement, PlatinumKind};
-use super::table::ElementTable;
-use crate::vector::length;
 use recording::text::suggest;
-use recording::toml_file::{FileError, TomlSource};
+use recording::toml_file::{FileError, TomlSource, exactly_if_any};
+use serde::Deserialize;
+
+use crate::vector::length;
 
 /// More layers than a record can tell apart.
 const MOST_LAYERS: u8 = 3;
+
+/// An element, or what the elements of a kind share.
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ElementTable {
+    pub name: Option<String>,
+    pub kind: Option<String>,
+    #[serde(default, deserialize_with = "exactly_if_any")]
+    pub normal: Option<[f64; 3]>,
+    pub platinum: Option<PlatinumKind>,
+    pub current_low_a: Option<f64>,
+    pub current_high_a: Option<f64>,
+    pub current_high_nominal_a: Option<f64>,
+    pub resistance_min_ohm: Option<f64>,
+    pub resistance_max_ohm: Option<f64>,
+    pub temperature_max_c: Option<f64>,
+    pub sustained_power_w: Option<f64>,
+    pub energy_j: Option<f64>,
+    pub layers: Option<u8>,
+    pub only_senses: Option<bool>,
+}
 
 /// A checked element.
 #[derive(Debug, Clone, PartialEq)]
@@ -95,20 +115,18 @@ impl ElementKeys<'_> {
 
     fn number(&self, name: &str, of: impl Fn(&ElementTable) -> Option<f64>) -> Result<f64, FileError> {
         let (number, key) = self.get(name, of)?;
-        if number.is_finite() {
-            Ok(number)
-        } else {
-            Err(self.source.refuse(&key, format!("is {number}: it must be finite")))
+        if !number.is_finite() {
+            return Err(self.source.refuse(&key, format!("is {number}: it must be finite")));
         }
+        Ok(number)
     }
 
     fn layers(&self) -> Result<usize, FileError> {
         // Neither the element nor its kind has to give any.
         let Ok((layers, key)) = self.get("layers", |table| table.layers) else { return Ok(0) };
         if layers > MOST_LAYERS {
-            return Err(self
-                .source
-                .refuse(&key, format!("is {layers}: between an element and its surface are 0 to {MOST_LAYERS}")));
+            let sentence = format!("is {layers}: between an element and its surface are 0 to {MOST_LAYERS}");
+            return Err(self.source.refuse(&key, sentence));
         }
         Ok(usize::from(layers))
     }
@@ -119,36 +137,32 @@ impl ElementKeys<'_> {
 
     /// What the element bears, if it or its kind says so.
     fn energy(&self) -> Result<Option<EnergyLimit>, FileError> {
-        let is_stated = |of: fn(&ElementTable) -> Option<f64>| {
-            of(self.own).is_some() || self.shared.as_ref().is_some_and(|(_, kind)| of(kind).is_some())
-        };
-        if !is_stated(|table| table.sustained_power_w) && !is_stated(|table| table.energy_j) {
+        let power_w = || self.number("sustained_power_w", |table| table.sustained_power_w);
+        if self.get("energy_j", |table| table.energy_j.or(table.sustained_power_w)).is_err() {
             return Ok(None);
         }
-        Ok(Some(EnergyLimit {
-            sustained_power_w: self.number("sustained_power_w", |table| table.sustained_power_w)? as f32,
-            energy_j: self.number("energy_j", |table| table.energy_j)? as f32,
-        }))
+        let energy_j = || self.number("energy_j", |table| table.energy_j);
+        Ok(Some(EnergyLimit { sustained_power_w: power_w()? as f32, energy_j: energy_j()? as f32 }))
     }
 
     /// The error of dr-core for one of this element's numbers.
     fn refuse(&self, key: &str, error: &ConfigError) -> FileError {
-        self.source
-            .refuse(key, format!("of {} cannot be used: {error}", self.own.name.as_deref().unwrap_or("an element")))
+        let name = self.own.name.as_deref().unwrap_or("an element");
+        self.source.refuse(key, format!("of {name} cannot be used: {error}"))
     }
 
     fn refuse_named(&self, error: &ConfigError) -> FileError {
-        let name = error.parameter.name();
+        let (name, own) = (error.parameter.name(), self.own);
         let own = match name {
-            "current_low_a" => self.own.current_low_a.is_some(),
-            "current_high_a" => self.own.current_high_a.is_some(),
-            "resistance_min_ohm" => self.own.resistance_min_ohm.is_some(),
-            "resistance_max_ohm" => self.own.resistance_max_ohm.is_some(),
-            "sustained_power_w" => self.own.sustained_power_w.is_some(),
-            "energy_j" => self.own.energy_j.is_some(),
-            _ => self.own.temperature_max_c.is_some(),
+            "current_low_a" => own.current_low_a,
+            "current_high_a" => own.current_high_a,
+            "resistance_min_ohm" => own.resistance_min_ohm,
+            "resistance_max_ohm" => own.resistance_max_ohm,
+            "sustained_power_w" => own.sustained_power_w,
+            "energy_j" => own.energy_j,
+            _ => own.temperature_max_c,
         };
-        let key = self.shared.as_ref().filter(|_| !own).map_or(&self.key, |(kind_key, _)| kind_key);
+        let key = self.shared.as_ref().filter(|_| own.is_none()).map_or(&self.key, |(kind_key, _)| kind_key);
         self.refuse(&format!("{key}.{name}"), error)
     }
 }
@@ -167,16 +181,15 @@ pub(super) fn element(
         );
         return Err(source.refuse(&format!("{key}.name"), sentence));
     }
-    let shared = match &own.kind {
-        None => None,
-        Some(kind) => {
-            let table = kinds.get(kind).ok_or_else(|| {
-                let hint = suggest(kind, kinds.keys().map(String::as_str));
-                source.refuse(&format!("{key}.kind"), format!("is `{kind}`, but there is no [kinds.{kind}]; {hint}"))
-            })?;
-            Some((format!("kinds.{kind}"), table))
+    let shared = own.kind.as_ref().map(|kind| match kinds.get(kind) {
+        Some(table) => Ok((format!("kinds.{kind}"), table)),
+        None => {
+            let hint = suggest(kind, kinds.keys().map(String::as_str));
+            let sentence = format!("is `{kind}`, but there is no [kinds.{kind}]; {hint}");
+            Err(source.refuse(&format!("{key}.kind"), sentence))
         }
-    };
+    });
+    let shared = shared.transpose()?;
     let normal = own.normal.map(|normal| direction(source, &format!("{key}.normal"), normal)).transpose()?;
     let keys = ElementKeys { source, key, own, shared };
 
@@ -227,4 +240,33 @@ pub(super) fn direction(source: &TomlSource, key: &str, vector: [f64; 3]) -> Res
         return Err(source.refuse(key, "is no direction: three finite numbers that are not all 0 belong here"));
     }
     Ok(vector.map(|x| x / length))
+}
+
+/// Nominal characteristic of a platinum resistor, as a head file has it.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(tag = "characteristic", rename_all = "lowercase", deny_unknown_fields)]
+pub enum PlatinumKind {
+    /// R = R0 (1 + αT).
+    Linear {
+        /// R0, Ω.
+        resistance_0c_ohm: f64,
+        /// α, 1/°C.
+        coefficient_per_c: f64,
+    },
+    /// IEC 60751, whose coefficients are fixed.
+    Iec60751 {
+        /// R0, Ω.
+        resistance_0c_ohm: f64,
+    },
+}
+
+/// Nominal values of one element and its two currents.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NominalElement {
+    /// Resistor.
+    pub platinum: PlatinumKind,
+    /// Low level, A.
+    pub current_low_a: f64,
+    /// High level as it was made, A; the controller's may be measured.
+    pub current_high_a: f64,
 }

@@ -1,18 +1,27 @@
-//! A head file, checked: numbers by dr-core's own constructors, as the board will check them.
+//! A head file: as it is written, checked by dr-core's own constructors as the board will check it,
+//! and with another name or other values of the numbers that nobody has published.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use dr_core::control::{GuardConfig, MOST_ELEMENTS};
 use dr_core::sensor::Channel;
-
-use super::body::Body;
-use super::calibration::checked::Calibration;
-use super::element::{HeadAdc, HeadElement, element};
-use super::error::CurrentsError;
-use super::table::{GuardTable, HeadTable};
 use recording::head_mounting::HeadMounting;
 use recording::text::suggest;
-use recording::toml_file::{FileError, TomlSource};
+use recording::toml_file::{FileError, TomlSource, exactly_if_any};
+use serde::Deserialize;
+use toml::Value;
+use toml::de::DeTable;
+
+use super::body::Body;
+use super::body::checked::place;
+use super::body::table::BodyTable;
+use super::calibration::checked::Calibration;
+use super::calibration::table::CalibrationTable;
+use super::element::{ElementTable, HeadAdc, HeadElement, element};
+
+use crate::gas::GasError;
+use crate::network::parameters::NetworkError;
 
 /// A checked head.
 #[derive(Debug, Clone, PartialEq)]
@@ -167,6 +176,104 @@ impl Head {
             (unreachable_limit_s / sample_period_s).round().clamp(1.0, f64::from(u32::MAX)) as u32;
         GuardConfig { missing_limit_ticks, unreachable_limit_ticks, stuck_limit_ticks }
     }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct HeadTable {
+    pub name: String,
+    pub sensor: Option<String>,
+    pub heading_deg: Option<f64>,
+    #[serde(default, deserialize_with = "exactly_if_any")]
+    pub up: Option<[f64; 3]>,
+    pub adc: AdcTable,
+    pub guard: GuardTable,
+    /// Any word may be a kind.
+    #[serde(default)]
+    pub kinds: BTreeMap<String, ElementTable>,
+    #[serde(default)]
+    pub elements: Vec<ElementTable>,
+    pub body: Option<BodyTable>,
+    pub calibration: Option<CalibrationTable>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct AdcTable {
+    pub full_scale_v: f64,
+    pub bits: u8,
+    pub compliance_v: Option<f64>,
+}
+
+/// When readings trip.
+#[derive(Deserialize, Clone, Copy, Debug, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct GuardTable {
+    /// Fresh readings that may be missing in a row.
+    pub missing_limit_ticks: u32,
+    /// How long a regulated element may request the high level only, s.
+    pub unreachable_limit_s: f64,
+    /// Equal readings in a row that trip; 0: never.
+    #[serde(default)]
+    pub stuck_limit_ticks: u32,
+}
+
+impl Head {
+    /// The same head by another name, its file otherwise to the letter.
+    ///
+    /// # Errors
+    /// If it cannot be read again.
+    pub fn named(&self, name: &str) -> Result<Head, FileError> {
+        let mut text = self.source.text.clone();
+        let place = DeTable::parse(&text).ok().and_then(|of| Some(of.get_ref().get("name")?.span()));
+        if let Some(place) = place {
+            text.replace_range(place, &Value::from(name).to_string());
+        }
+        Head::from_source(TomlSource { path: self.source.path.clone(), text })
+    }
+
+    /// The same head with other values of its unknown numbers, in their order.
+    ///
+    /// # Errors
+    /// If these make no head.
+    pub fn with_unknown(&self, values: &[f64]) -> Result<Head, FileError> {
+        let mut document: Value = self.source.parse()?;
+        let unknown = self.body.iter().flat_map(|body| &body.unknown);
+        for (number, value) in unknown.zip(values) {
+            if let Some(place) = place(&mut document, &number.of) {
+                *place = Value::Float(*value);
+            }
+        }
+        // The file's own range holds for the file's own value only.
+        if let Some(body) = document.get_mut("body").and_then(Value::as_table_mut) {
+            body.remove("unknown");
+        }
+        let path = self.source.path.clone();
+        let text = toml::to_string(&document);
+        let text = text.map_err(|error| FileError { path: path.clone(), line: None, sentence: error.to_string() })?;
+        Head::from_source(TomlSource { path, text })
+    }
+}
+
+/// Currents that an element cannot have, or an element that the head does not have: the rest of a
+/// sentence about the key.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{0}")]
+pub struct CurrentsError(pub(super) String);
+
+/// A calibration that no anemometer can be set up with.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum WindSetupError {
+    /// The network has no observer of that bandwidth.
+    #[error(transparent)]
+    Network(#[from] NetworkError),
+    /// The gas is not known at the temperatures.
+    #[error(transparent)]
+    Gas(#[from] GasError),
+    /// The output interval is no number of ticks that the board counts: what it is, and of which
+    /// ticks.
+    #[error("a wind estimate every {0}: between one and {most} of them", most = u16::MAX)]
+    Interval(String),
 }
 
 #[cfg(test)]

@@ -18,30 +18,19 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`mod@file`] | a head file, checked |
-//! | [`element`], [`nominal`] | an element of it, and its data sheet |
+//! | [`mod@file`] | a head file: as it is written, checked, and with other numbers |
+//! | [`element`] | an element of it, with its data sheet |
 //! | [`body`] | the table `[body]`: what simulates it |
 //! | [`calibration`] | the table `[calibration]`, read and written |
 //! | `currents` | a head with high currents that were measured |
-//! | [`output`] | bandwidth and interval of wind estimates |
-//! | [`setup`] | a calibration as commands of the board's anemometer |
-//! | [`table`] | the file as it is written |
-//! | `variant` | a head with other values of its unknown numbers |
-//! | [`error`] | what is refused beside the file |
 
 pub mod body;
 pub mod calibration;
 mod currents;
 pub mod element;
-pub mod error;
 pub mod file;
-pub mod nominal;
-pub mod output;
-pub mod setup;
-pub mod table;
-mod variant;
 
+pub use calibration::commands::WindOutput;
 pub use element::HeadElement;
+pub use element::{NominalElement, PlatinumKind};
 pub use file::Head;
-pub use nominal::{NominalElement, PlatinumKind};
-pub use output::WindOutput;

@@ -8,8 +8,7 @@ use recording::wind::{ESTIMATED_GAS, QUALITY_FLAGS, SPEED_UNCERTAINTY, WIND_ESTI
 use recording::{ColumnValues, RecordingColumn, RecordingError, RecordingReader, TIME, TRUE_WIND};
 
 use super::eddy::EddyOptions;
-use super::options::AveragingOptions;
-use super::report::{MeanInterval, MeteorologyReport};
+use super::report::{AveragingOptions, MeanInterval, MeteorologyReport};
 use super::wind_series::{EstimateSeries, SeriesEntry};
 
 /// Key of the metadata of a file of estimates.
@@ -37,8 +36,8 @@ pub enum AveragingError {
 pub fn average(path: &Path, options: &AveragingOptions) -> Result<MeteorologyReport, AveragingError> {
     let mut reader = RecordingReader::open(path)?;
     let metadata = reader.metadata();
-    let columns = WindColumns::of(path, reader.names())?;
-    reader.select(&columns.all());
+    let columns = wind_columns(path, reader.names())?;
+    reader.select(&columns);
     let stated = metadata.iter().find(|(key, _)| key == BANDWIDTH).and_then(|(_, text)| text.parse().ok());
     let bandwidth_hz = options.bandwidth_hz.or(stated);
     let eddy = match (options.height_m, bandwidth_hz) {
@@ -53,7 +52,7 @@ pub fn average(path: &Path, options: &AveragingOptions) -> Result<MeteorologyRep
     };
     let mut averager = Averager { options, eddy, current: None, intervals: Vec::new() };
     while let Some(chunk) = reader.next_chunk()? {
-        for entries in columns.entries(&chunk, options.mounting.unwrap_or_default()) {
+        for entries in entries(&chunk, options.mounting.unwrap_or_default()) {
             averager.add(entries);
         }
     }
@@ -69,14 +68,9 @@ pub fn average(path: &Path, options: &AveragingOptions) -> Result<MeteorologyRep
 struct Averager<'a> {
     options: &'a AveragingOptions,
     eddy: Option<EddyOptions>,
-    current: Option<OpenInterval>,
+    /// Number of the open interval, its estimates and true winds.
+    current: Option<(i64, EstimateSeries, EstimateSeries)>,
     intervals: Vec<MeanInterval>,
-}
-
-struct OpenInterval {
-    number: i64,
-    estimates: EstimateSeries,
-    truth: EstimateSeries,
 }
 
 impl Averager<'_> {
@@ -87,19 +81,17 @@ impl Averager<'_> {
         }
         // A time that is a rounding below an interval's begin belongs to it.
         let number = (since_s / self.options.interval_s + 1e-9).floor() as i64;
-        if self.current.as_ref().is_none_or(|open| open.number != number) {
+        if self.current.as_ref().is_none_or(|(open, ..)| *open != number) {
             self.close();
-            self.current =
-                Some(OpenInterval { number, estimates: EstimateSeries::default(), truth: EstimateSeries::default() });
         }
-        if let Some(open) = &mut self.current {
-            open.estimates.entries.push(estimate);
-            open.truth.entries.extend(truth);
-        }
+        let (_, estimates, truths) =
+            self.current.get_or_insert_with(|| (number, Default::default(), Default::default()));
+        estimates.entries.push(estimate);
+        truths.entries.extend(truth);
     }
 
     fn close(&mut self) {
-        let Some(OpenInterval { number, estimates, truth }) = self.current.take() else { return };
+        let Some((number, estimates, truth)) = self.current.take() else { return };
         let interval_s = self.options.interval_s;
         let begin_s = self.options.from_s + number as f64 * interval_s;
         let statistics = estimates.statistics(begin_s, interval_s, self.eddy.as_ref());
@@ -114,100 +106,64 @@ impl Averager<'_> {
     }
 }
 
-/// Places of the columns.
-struct WindColumns {
-    time: usize,
-    vector: Option<[usize; 3]>,
-    speed: Option<usize>,
-    uncertainty: Option<usize>,
-    gas: Option<usize>,
-    flags: Option<usize>,
-    /// Of another anemometer, which has it in place of a vector.
-    from: Option<usize>,
-    truth: Option<[usize; 3]>,
+/// Places of the columns that are averaged.
+fn wind_columns(path: &Path, names: &[String]) -> Result<Vec<usize>, RecordingError> {
+    let has = |wanted: &[&str]| wanted.iter().all(|wanted| names.iter().any(|own| own == wanted));
+    if !has(&[TIME]) || !(has(&WIND_ESTIMATE) || has(&[WIND_SPEED])) {
+        let sentence = format!(
+            "has no wind to average: {TIME} with {} or {WIND_SPEED} are wanted, which `anemo wind … -o` writes, and recordings of a calibrated head have",
+            WIND_ESTIMATE.join(", ")
+        );
+        return Err(RecordingError::new(path, sentence));
+    }
+    let single = [TIME, WIND_SPEED, SPEED_UNCERTAINTY, ESTIMATED_GAS, QUALITY_FLAGS, WIND_FROM];
+    let is_wanted = |name: &str| single.into_iter().chain(WIND_ESTIMATE).chain(TRUE_WIND).any(|wanted| wanted == name);
+    Ok((0..names.len()).filter(|place| is_wanted(&names[*place])).collect())
 }
 
-impl WindColumns {
-    fn of(path: &Path, names: &[String]) -> Result<Self, RecordingError> {
-        let place = |name: &str| names.iter().position(|own| own == name);
-        let three = |names: [&str; 3]| -> Option<[usize; 3]> {
-            let [x, y, z] = names.map(place);
-            Some([x?, y?, z?])
+/// The estimates of a chunk with the true winds beside them; rows without an estimate are left out.
+fn entries(chunk: &[RecordingColumn], mounting: HeadMounting) -> Vec<(SeriesEntry, Option<SeriesEntry>)> {
+    let of_name = |name: &str| chunk.iter().find(|column| column.name == name);
+    let column = |name: &str| match of_name(name).map(|column| &column.values) {
+        Some(ColumnValues::Numbers(numbers)) => &numbers[..],
+        _ => &[],
+    };
+    let (time, vector, truth) = (column(TIME), WIND_ESTIMATE.map(column), TRUE_WIND.map(column));
+    let (speed, uncertainty, gas) = (column(WIND_SPEED), column(SPEED_UNCERTAINTY), column(ESTIMATED_GAS));
+    let (has_flags, has_speed) = (of_name(QUALITY_FLAGS).is_some(), of_name(WIND_SPEED).is_some());
+    // Another anemometer has a direction in place of a vector.
+    let has_vector = WIND_ESTIMATE.iter().all(|name| of_name(name).is_some());
+    let (flags, from) = (column(QUALITY_FLAGS), if has_vector { &[] } else { column(WIND_FROM) });
+    let number = |of: &[f64], row: usize| of.get(row).copied().unwrap_or(f64::NAN);
+    let entry = |row: usize| {
+        let time_s = number(time, row);
+        let own = vector.map(|of| number(of, row));
+        let (sin, cos) = number(from, row).to_radians().sin_cos();
+        let towards = [-sin, -cos, 0.0].map(|of| of * number(speed, row));
+        let length_m_s = own.iter().map(|of| of * of).sum::<f64>().sqrt();
+        let bits = number(flags, row);
+        let flags = match has_flags {
+            true => bits.is_finite().then_some(QualityFlags(bits as u16))?,
+            // A table of another instrument: what has no number is no wind.
+            false => QualityFlags::default().with(QualityFlags::FAILED, !length_m_s.is_finite() && !has_speed),
         };
-        let (vector, speed) = (three(WIND_ESTIMATE), place(WIND_SPEED));
-        let time = place(TIME).filter(|_| vector.or(speed.map(|speed| [speed; 3])).is_some());
-        let Some(time) = time else {
-            let sentence = format!(
-                "has no wind to average: {TIME} with {} or {WIND_SPEED} are wanted, which `anemo wind … -o` writes, and recordings of a calibrated head have",
-                WIND_ESTIMATE.join(", ")
-            );
-            return Err(RecordingError::new(path, sentence));
+        let vectors = [mounting.earth(own), towards];
+        let vector = vectors.into_iter().find(|of| of.iter().all(|of| of.is_finite()));
+        let estimate = SeriesEntry {
+            time_s,
+            wind_m_s: vector.unwrap_or([0.0; 3]),
+            speed_m_s: if has_speed { number(speed, row) } else { length_m_s },
+            speed_u_m_s: number(uncertainty, row),
+            gas_c: number(gas, row),
+            flags,
         };
-        let (uncertainty, gas, flags) = (place(SPEED_UNCERTAINTY), place(ESTIMATED_GAS), place(QUALITY_FLAGS));
-        let from = place(WIND_FROM).filter(|_| vector.is_none());
-        Ok(Self { time, vector, speed, uncertainty, gas, flags, from, truth: three(TRUE_WIND) })
-    }
-
-    fn all(&self) -> Vec<usize> {
-        let three = self.vector.into_iter().chain(self.truth).flatten();
-        let others = [self.speed, self.uncertainty, self.gas, self.flags, self.from].into_iter().flatten();
-        let mut all: Vec<usize> = three.chain(others).chain([self.time]).collect();
-        all.sort_unstable();
-        all
-    }
-
-    /// The estimates of a chunk with the true winds beside them; rows without an estimate are left
-    /// out.
-    fn entries(
-        &self,
-        chunk: &[RecordingColumn],
-        mounting: HeadMounting,
-    ) -> impl Iterator<Item = (SeriesEntry, Option<SeriesEntry>)> {
-        let selected = self.all();
-        let column = |place: usize| -> &[f64] {
-            let at = selected.binary_search(&place).ok().and_then(|at| chunk.get(at));
-            at.map_or(&[], |column| match &column.values {
-                ColumnValues::Numbers(numbers) => numbers,
-                ColumnValues::Words(_) => &[],
-            })
-        };
-        let optional = |place: Option<usize>| place.map_or(&[] as &[f64], column);
-        let three = |places: Option<[usize; 3]>| places.map_or([&[] as &[f64]; 3], |places| places.map(column));
-        let (time, vector, truth) = (column(self.time), three(self.vector), three(self.truth));
-        let (speed, uncertainty, gas) = (optional(self.speed), optional(self.uncertainty), optional(self.gas));
-        let (flags, from) = (optional(self.flags), optional(self.from));
-        let (has_flags, has_speed) = (self.flags.is_some(), self.speed.is_some());
-        let number = |of: &[f64], row: usize| of.get(row).copied().unwrap_or(f64::NAN);
-        let entry = move |row: usize| {
-            let time_s = number(time, row);
-            let own = vector.map(|of| number(of, row));
-            let (sin, cos) = number(from, row).to_radians().sin_cos();
-            let towards = [-sin, -cos, 0.0].map(|of| of * number(speed, row));
-            let length_m_s = own.iter().map(|of| of * of).sum::<f64>().sqrt();
-            let bits = number(flags, row);
-            let flags = match has_flags {
-                true => bits.is_finite().then_some(QualityFlags(bits as u16))?,
-                // A table of another instrument: what has no number is no wind.
-                false => QualityFlags::default().with(QualityFlags::FAILED, !length_m_s.is_finite() && !has_speed),
-            };
-            let vectors = [mounting.earth(own), towards];
-            let vector = vectors.into_iter().find(|of| of.iter().all(|of| of.is_finite()));
-            let estimate = SeriesEntry {
-                time_s,
-                wind_m_s: vector.unwrap_or([0.0; 3]),
-                speed_m_s: if has_speed { number(speed, row) } else { length_m_s },
-                speed_u_m_s: number(uncertainty, row),
-                gas_c: number(gas, row),
-                flags,
-            };
-            let wind_m_s = mounting.earth(truth.map(|of| number(of, row)));
-            let speed_m_s = wind_m_s.iter().map(|of| of * of).sum::<f64>().sqrt();
-            let flags = QualityFlags::default();
-            let truth = SeriesEntry { wind_m_s, speed_m_s, speed_u_m_s: f64::NAN, flags, ..estimate };
-            Some((estimate, speed_m_s.is_finite().then_some(truth)))
-        };
-        (0..time.len()).filter_map(entry).collect::<Vec<_>>().into_iter()
-    }
+        let wind_m_s = mounting.earth(truth.map(|of| number(of, row)));
+        let speed_m_s = wind_m_s.iter().map(|of| of * of).sum::<f64>().sqrt();
+        let flags = QualityFlags::default();
+        let truth = SeriesEntry { wind_m_s, speed_m_s, speed_u_m_s: f64::NAN, flags, ..estimate };
+        Some((estimate, speed_m_s.is_finite().then_some(truth)))
+    };
+    (0..time.len()).filter_map(entry).collect()
 }
 
 #[cfg(test)]

@@ -10,11 +10,26 @@
 //! Sources: J. C. Kaimal, J. J. Finnigan, Atmospheric Boundary Layer Flows, Oxford 1994, ch. 6;
 //! A. M. Obukhov, Trudy Inst. Teor. Geofiz. AN SSSR 1 (1946) 95–115. Deviations are those from the
 //! mean of the interval. L is that of dry gas.
+//!
+//! Share of a turbulent flux at the frequencies that an instrument's bandwidth and the length of an
+//! interval hold, by the cospectra of the neutral surface layer over flat land:
+//!
+//! n = f z/U; momentum: n C/u*² = 14 n/(1 + 9.6 n)^2.4
+//! heat: 11 n/(1 + 13.3 n)^1.75 up to n = 1, 4.4 n/(1 + 3.8 n)^2.4 beyond
+//!
+//! f frequency, z height, U mean speed. Source: J. C. Kaimal et al., Spectral characteristics of
+//! surface-layer turbulence, Q. J. R. Meteorol. Soc. 98 (1972) 563–589. Both integrate in closed
+//! form. The cut-offs are taken for sharp ones, at the bandwidth and at one period in the interval.
+//!
+//! Standard uncertainty of a covariance by the length of the record, from the record itself:
+//!
+//! u² = (1/n) Σ_p (γ_xx(p) γ_yy(p) + γ_xy(p) γ_yx(p)), p from −m to m
+//!
+//! with γ the auto- and cross-covariances at a lag of p samples. Source: P. L. Finkelstein, P. F.
+//! Sims, Sampling error in eddy correlation flux measurements, J. Geophys. Res. 106 (2001)
+//! 3503–3509. Lags go up to a tenth of the record; eddies longer than that are not in it.
 
 use serde::Serialize;
-
-use super::cospectrum::TurbulentFlux;
-use super::sampling::covariance_u;
 
 const KARMAN: f64 = 0.40;
 const KELVIN: f64 = 273.15;
@@ -78,12 +93,9 @@ pub fn fluxes(wind_m_s: &[[f64; 3]], gas_c: &[f64], interval_s: f64, options: &E
     let resolves = |flux: TurbulentFlux, bandwidth_hz: f64, name: &str| {
         let share = flux.resolved(options.height_m, horizontal, bandwidth_hz, interval_s);
         let is_enough = share >= LEAST_RESOLVED;
-        let sentence = format!(
-            "{name}: at {} m and {horizontal:.1} m/s {:.0} % of it lie between 1/{interval_s} Hz and {bandwidth_hz} Hz, {:.0} % are needed",
-            options.height_m,
-            100.0 * share,
-            100.0 * LEAST_RESOLVED
-        );
+        let ([percent, needed], height_m) = ([share, LEAST_RESOLVED].map(|share| 100.0 * share), options.height_m);
+        let band = format!("{percent:.0} % of it lie between 1/{interval_s} Hz and {bandwidth_hz} Hz");
+        let sentence = format!("{name}: at {height_m} m and {horizontal:.1} m/s {band}, {needed:.0} % are needed");
         (!is_enough).then_some(sentence)
     };
     if let Some(sentence) = resolves(TurbulentFlux::Momentum, options.bandwidth_hz, "momentum flux") {
@@ -139,9 +151,69 @@ fn covariance(x: &[f64], y: &[f64]) -> Sampled {
     Sampled { value, u: covariance_u(x, y) }
 }
 
+/// A flux.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TurbulentFlux {
+    /// −u'w'.
+    Momentum,
+    /// w'T'.
+    Heat,
+}
+
+impl TurbulentFlux {
+    /// ∫ C/flux dn from 0 to n, not normalised.
+    fn integral(self, n: f64) -> f64 {
+        match self {
+            Self::Momentum => 14.0 / (9.6 * 1.4) * (1.0 - (1.0 + 9.6 * n).powf(-1.4)),
+            Self::Heat => {
+                let low = |n: f64| 11.0 / (13.3 * 0.75) * (1.0 - (1.0 + 13.3 * n).powf(-0.75));
+                let high = |n: f64| 4.4 / (3.8 * 1.4) * (4.8_f64.powf(-1.4) - (1.0 + 3.8 * n).powf(-1.4));
+                if n <= 1.0 { low(n) } else { low(1.0) + high(n) }
+            }
+        }
+    }
+
+    /// Share of the flux that is resolved at a height in a mean speed.
+    pub fn resolved(self, height_m: f64, speed_m_s: f64, bandwidth_hz: f64, interval_s: f64) -> f64 {
+        let n = |frequency_hz: f64| frequency_hz * height_m / speed_m_s;
+        let (low, high) = (self.integral(n(1.0 / interval_s)), self.integral(n(bandwidth_hz)));
+        (high - low) / self.integral(f64::INFINITY)
+    }
+}
+
+/// The samples that a covariance is made of are averaged to so many at most: longer eddies make
+/// the uncertainty.
+const MOST: usize = 2_000;
+/// The greatest lag, as share of the record.
+const LAGS: f64 = 0.1;
+
+/// Standard uncertainty of the mean product of two series of deviations, which are as long as each
+/// other; 0 of less than two.
+pub fn covariance_u(x: &[f64], y: &[f64]) -> f64 {
+    let block = x.len().div_ceil(MOST).max(1);
+    let blocks = |of: &[f64]| -> Vec<f64> {
+        of.chunks_exact(block).map(|chunk| chunk.iter().sum::<f64>() / block as f64).collect()
+    };
+    let (x, y) = (blocks(x), blocks(y));
+    let count = x.len();
+    if count < 2 {
+        return 0.0;
+    }
+    let at_lag = |a: &[f64], b: &[f64], lag: usize| {
+        a[..count - lag].iter().zip(&b[lag..]).map(|(a, b)| a * b).sum::<f64>() / count as f64
+    };
+    let lags = (LAGS * count as f64) as usize;
+    let terms = (0..=lags).map(|lag| {
+        let term = at_lag(&x, &x, lag) * at_lag(&y, &y, lag) + at_lag(&x, &y, lag) * at_lag(&y, &x, lag);
+        // A lag and its negative give the same.
+        if lag == 0 { term } else { 2.0 * term }
+    });
+    (terms.sum::<f64>().max(0.0) / count as f64).sqrt()
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::sampling::tests::correlated;
+    use super::sampling_tests::correlated;
     use super::*;
 
     const OPTIONS: EddyOptions =
@@ -212,5 +284,73 @@ mod tests {
         assert!(none.left_out[0].starts_with("friction velocity: −u'w' is below"), "{none:?}");
         let plane: Vec<[f64; 3]> = wind.iter().map(|[x, y, _]| [*x, *y, 0.0]).collect();
         assert!(fluxes(&plane, &gas, 1800.0, &OPTIONS).left_out[0].contains("vertical wind"));
+    }
+}
+
+#[cfg(test)]
+mod cospectrum_tests {
+    use super::*;
+
+    #[test]
+    fn closed_forms_are_the_integrals_of_the_cospectra() {
+        let density = |flux, n: f64| match flux {
+            TurbulentFlux::Momentum => 14.0 / (1.0 + 9.6 * n).powf(2.4),
+            TurbulentFlux::Heat if n <= 1.0 => 11.0 / (1.0 + 13.3 * n).powf(1.75),
+            TurbulentFlux::Heat => 4.4 / (1.0 + 3.8 * n).powf(2.4),
+        };
+        for flux in [TurbulentFlux::Momentum, TurbulentFlux::Heat] {
+            for to in [0.3, 1.0, 2.5] {
+                let step = to / 1e5;
+                let sum: f64 = (0..100_000).map(|k| density(flux, (f64::from(k) + 0.5) * step) * step).sum();
+                assert!((flux.integral(to) - sum).abs() < 1e-6, "{flux:?} to {to}");
+            }
+        }
+    }
+
+    #[test]
+    fn low_heights_and_slow_instruments_lose_flux() {
+        let share = |height_m, bandwidth_hz| TurbulentFlux::Momentum.resolved(height_m, 5.0, bandwidth_hz, 600.0);
+        // By hand: (1 + 9.6·0.00333)^−1.4 − (1 + 9.6·4)^−1.4, and with n = 0.6 and 0.0005.
+        assert!((share(10.0, 2.0) - (0.956_86 - 0.005_857)).abs() < 1e-4, "{}", share(10.0, 2.0));
+        assert!((share(1.5, 2.0) - (0.993_32 - 0.068_90)).abs() < 2e-4, "{}", share(1.5, 2.0));
+        assert!((share(1.5, 0.5) - (0.993_32 - 0.286_9)).abs() < 2e-4, "{}", share(1.5, 0.5));
+    }
+}
+
+#[cfg(test)]
+pub(super) mod sampling_tests {
+    use super::*;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    /// Two series with unit variances, this correlation, and a memory of `memory` samples (AR 1).
+    pub fn correlated(seed: u64, count: usize, correlation: f64, memory: f64) -> (Vec<f64>, Vec<f64>) {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+        let keep = (-1.0 / memory).exp();
+        let (mut a, mut b) = (normal(), normal());
+        let renew = (1.0 - keep * keep).sqrt();
+        let pair = |_| {
+            (a, b) = (keep * a + renew * normal(), keep * b + renew * normal());
+            (a, correlation * a + (1.0 - correlation * correlation).sqrt() * b)
+        };
+        (0..count).map(pair).unzip()
+    }
+
+    #[test]
+    fn is_the_scatter_of_the_covariances_of_many_records() {
+        let (count, correlation) = (6_000, -0.3);
+        let (mut found, mut stated) = (Vec::new(), 0.0);
+        for seed in 0..150 {
+            let (x, y) = correlated(seed, count, correlation, 30.0);
+            found.push(x.iter().zip(&y).map(|(x, y)| x * y).sum::<f64>() / count as f64);
+            stated += covariance_u(&x, &y) / 150.0;
+        }
+        let scatter = (found.iter().map(|of| (of - correlation).powi(2)).sum::<f64>() / 150.0).sqrt();
+        // Theory: (1 + ρ²) 2·15/6000 for e^(−2p/30) summed over both signs, ± 6 % by 150 records.
+        let theory = ((1.0 + correlation * correlation) * 30.0 / count as f64).sqrt();
+        assert!((scatter / theory - 1.0).abs() < 0.15, "{scatter} is not {theory}");
+        assert!((stated / theory - 1.0).abs() < 0.1, "{stated} is not {theory}");
     }
 }

@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use super::averaging::{AveragingError, average};
 use super::eddy::Sampled;
-use super::options::AveragingOptions;
+use super::report::AveragingOptions;
 
 /// Fewer intervals say nothing.
 const LEAST_INTERVALS: usize = 10;
@@ -129,9 +129,9 @@ impl ReferenceCheck {
             return Some(format!("the reference seems to be in {unit}: its table takes m/s"));
         }
         if !SCALES.contains(&self.scale.value) {
+            let scale = self.scale.value;
             return Some(format!(
-                "a scale of {:.3} is none that ages: are unit, head and place of the reference right?",
-                self.scale.value
+                "a scale of {scale:.3} is none that ages: are unit, head and place of the reference right?"
             ));
         }
         let Sampled { value, u } = self.offset_m_s;
@@ -158,7 +158,7 @@ impl fmt::Display for ReferenceCheck {
 
 #[cfg(test)]
 mod tests {
-    use super::super::sampling::tests::correlated;
+    use super::super::eddy::sampling_tests::correlated;
     use super::*;
 
     /// Speeds of 2 to 10 m/s of the head, and the reference's with this scale, offset and noise.

@@ -1,14 +1,14 @@
-//! Averages as text, as JSON, and as a table.
+//! Options of averages; averages as text, as JSON, and as a table.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use recording::head_mounting::HeadMounting;
 use recording::text::{columns, count, listed, tidy};
 use recording::{Metadata, RecordingError, write_table};
 use serde::Serialize;
 
 use super::eddy::Sampled;
-use super::options::AveragingOptions;
 use super::wind_series::{LEAST_SHARE, WindStatistics};
 
 /// Intervals and reasons that a report names.
@@ -111,12 +111,9 @@ impl MeteorologyReport {
             table.push((name, of(&number)));
         }
         if self.intervals.iter().any(|of| of.statistics.as_ref().is_some_and(|of| of.fluxes.is_some())) {
-            for (name, flux) in FLUXES {
+            for (name, uncertainty, flux) in FLUXES {
                 table.push((name, of(&|of| flux(of).map(|of| of.value))));
-                table.push((
-                    UNCERTAINTIES[FLUXES.iter().position(|(own, _)| *own == name).unwrap_or(0)],
-                    of(&|of| flux(of).map(|of| of.u)),
-                ));
+                table.push((uncertainty, of(&|of| flux(of).map(|of| of.u))));
             }
         }
         let time_s: Vec<f64> = self.intervals.iter().map(|of| of.begin_s).collect();
@@ -142,13 +139,12 @@ const NUMBERS: [(&str, Number); 9] = [
 ];
 
 /// Columns of fluxes, and of their uncertainties.
-const FLUXES: [(&str, Flux); 4] = [
-    ("uw_m2_s2", |of| of.fluxes.as_ref()?.uw_m2_s2),
-    ("friction_velocity_m_s", |of| of.fluxes.as_ref()?.friction_velocity_m_s),
-    ("heat_flux_k_m_s", |of| of.fluxes.as_ref()?.heat_flux_k_m_s),
-    ("obukhov_length_m", |of| of.fluxes.as_ref()?.obukhov_length_m),
+const FLUXES: [(&str, &str, Flux); 4] = [
+    ("uw_m2_s2", "uw_u_m2_s2", |of| of.fluxes.as_ref()?.uw_m2_s2),
+    ("friction_velocity_m_s", "friction_velocity_u_m_s", |of| of.fluxes.as_ref()?.friction_velocity_m_s),
+    ("heat_flux_k_m_s", "heat_flux_u_k_m_s", |of| of.fluxes.as_ref()?.heat_flux_k_m_s),
+    ("obukhov_length_m", "obukhov_length_u_m", |of| of.fluxes.as_ref()?.obukhov_length_m),
 ];
-const UNCERTAINTIES: [&str; 4] = ["uw_u_m2_s2", "friction_velocity_u_m_s", "heat_flux_u_k_m_s", "obukhov_length_u_m"];
 
 impl MeteorologyComparison {
     fn of(intervals: &[MeanInterval]) -> Option<Self> {
@@ -199,13 +195,9 @@ impl fmt::Display for MeteorologyReport {
             .map(|of| format!("{} s ({:.0} %{})", tidy(of.begin_s), 100.0 * of.valid_share, of.cause()))
             .collect();
         if !left_out.is_empty() {
-            let intervals = count(left_out.len(), "interval");
-            let least = 100.0 * LEAST_SHARE;
-            writeln!(
-                f,
-                "{intervals} left out, as less than {least} % of the estimates count: from {}",
-                listed(&left_out, MOST_NAMED)
-            )?;
+            let (intervals, least) = (count(left_out.len(), "interval"), 100.0 * LEAST_SHARE);
+            write!(f, "{intervals} left out, as less than {least} % of the estimates count: ")?;
+            writeln!(f, "from {}", listed(&left_out, MOST_NAMED))?;
         }
         self.fluxes(f)?;
         if let Some(comparison) = &self.comparison {
@@ -221,10 +213,7 @@ impl fmt::Display for MeteorologyReport {
             writeln!(f, "  sd of direction     {}", of(comparison.direction_sd))?;
             writeln!(f, "  gust                {}", of(comparison.gust))?;
         }
-        if let Some(path) = &self.written {
-            writeln!(f, "\nwritten to {}", path.display())?;
-        }
-        Ok(())
+        self.written.iter().try_for_each(|path| writeln!(f, "\nwritten to {}", path.display()))
     }
 }
 
@@ -296,4 +285,23 @@ impl MeteorologyReport {
         }
         Ok(())
     }
+}
+
+/// Intervals, mounting, and what fluxes need.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AveragingOptions {
+    /// Length of an interval, s.
+    pub interval_s: f64,
+    /// Estimates before do not count, and the first interval begins there, s.
+    pub from_s: f64,
+    /// How the head is mounted; directions count from its x axis where that is not known.
+    pub mounting: Option<HeadMounting>,
+    /// Height above the ground, m, for fluxes.
+    pub height_m: Option<f64>,
+    /// Bandwidth of the wind, Hz, in place of that which the recording states.
+    pub bandwidth_hz: Option<f64>,
+    /// Bandwidth of the gas temperature, Hz.
+    pub temperature_bandwidth_hz: Option<f64>,
+    /// m/s².
+    pub gravity_m_s2: f64,
 }

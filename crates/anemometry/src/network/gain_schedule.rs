@@ -28,9 +28,8 @@ use dr_core::model::convection_observer::config::FASTER_SETS;
 use dr_core::model::{AlarmConfig, FasterGainsConfig, GainsConfig, mesh};
 use nalgebra::DVector;
 
-use super::kalman::{KalmanFilter, NOMINAL_DUTY, Plant, design};
+use super::kalman::{KalmanFilter, NOMINAL_DUTY, Plant, design, riccati};
 use super::observer::padded;
-use super::riccati::riccati;
 
 /// b_0 over the steady bandwidth, at most.
 const GREATEST_RATIO: f64 = 32.0;

@@ -24,17 +24,17 @@
 
 use std::path::Path;
 
-use dr_core::model::mesh;
-use rayon::prelude::*;
-
-use super::error::{NetworkError, NetworkIdentifyError};
-use super::plausible::residuals;
-use super::record::QuiescentRecord;
 use diffusive::identify::record::RecordTable;
 use diffusive::identify::{Constraints, DriftGiven, IdentifyOptions, InitialState, Progress, Signs, refine, symbol};
 use diffusive::model::merge::merge;
 use diffusive::model::{Model, Pair};
+use dr_core::model::mesh;
+use rayon::prelude::*;
 use recording::{POWER, RecordingError, TEMPERATURE};
+
+use super::from_model::residuals;
+use super::parameters::{NetworkError, NetworkIdentifyError};
+use super::record::QuiescentRecord;
 
 /// Rates of the mesh from which free ones start.
 const MESH: usize = 20;
@@ -206,6 +206,12 @@ fn free(
     let is_own = output == record.driven;
     let most = if is_own { poles.own } else { poles.cross };
     let mut table = table(record, &[output], &[temperature_c.to_vec()])?;
+    let accepted = |mut model: Model, reason: String| {
+        model.chosen.reasons = vec![reason];
+        model.warnings.clear();
+        model.supported = true;
+        Ok(model)
+    };
     let mut why = String::new();
     for count in (1..=most).rev() {
         let found = refine::refine(&mut table, start, count, &options(), &mut |_, _, _| {}, &mut |_| {});
@@ -214,32 +220,20 @@ fn free(
             Err(error) => Some(error.to_string()),
         };
         match (found, problem) {
-            (Ok(mut model), None) => {
-                let pair = &model.pairs[0];
-                let mut reason = format!(
-                    "{} → {}: {count} rates, {:.3} mK left",
-                    pair.input,
-                    pair.output,
-                    1e3 * model.outputs[0].residual_rms
-                );
-                if !why.is_empty() {
-                    reason = format!("{reason}; {why}");
-                }
-                model.chosen.reasons = vec![reason];
-                model.warnings.clear();
-                model.supported = true;
-                return Ok(model);
+            (Ok(model), None) => {
+                let (pair, left_mk) = (&model.pairs[0], 1e3 * model.outputs[0].residual_rms);
+                let reason = format!("{} → {}: {count} rates, {left_mk:.3} mK left", pair.input, pair.output);
+                let reason = if why.is_empty() { reason } else { format!("{reason}; {why}") };
+                return accepted(model, reason);
             }
             (Ok(mut model), Some(_))
                 if count == 1 && !is_own && swing_k(record, &model) < model.outputs[0].residual_rms =>
             {
                 let pair = &mut model.pairs[0];
                 pair.classes.values_mut().for_each(|class| class.r_k_per_w.fill(0.0));
-                model.chosen.reasons =
-                    vec![format!("{} → {}: none, as it is less than the noise of a reading", pair.input, pair.output)];
-                model.warnings.clear();
-                model.supported = true;
-                return Ok(model);
+                let (from, to) = (&pair.input, &pair.output);
+                let reason = format!("{from} → {to}: none, as it is less than the noise of a reading");
+                return accepted(model, reason);
             }
             (_, Some(sentence)) => why = format!("not {count}: {sentence}"),
             (Err(error), None) => why = error.to_string(),
@@ -301,11 +295,8 @@ fn network(elements: &[String], rounds: Vec<IdentificationRound>) -> Result<Mode
         let rests: Vec<f64> = rounds.iter().map(|round| round.models[j].outputs[0].offset_c).collect();
         let mean = rests.iter().sum::<f64>() / rests.len() as f64;
         let apart = rests.iter().map(|rest| (rest - mean).abs()).fold(0.0, f64::max);
-        let others: Vec<f64> = rounds
-            .iter()
-            .filter(|round| round.driven != *name)
-            .map(|round| round.models[j].outputs[0].residual_rms)
-            .collect();
+        let others = rounds.iter().filter(|round| round.driven != *name);
+        let others: Vec<f64> = others.map(|round| round.models[j].outputs[0].residual_rms).collect();
         output.offset_c = mean;
         output.se_offset_c = apart;
         if !others.is_empty() {

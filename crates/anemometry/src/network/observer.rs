@@ -13,9 +13,8 @@ use dr_core::model::{
     ConvectionObserver, FasterGainsConfig, GainsConfig, NetworkCrossHeatingConfig, NetworkSelfHeatingConfig,
 };
 
-use super::error::NetworkError;
 use super::kalman::{KalmanFilter, Plant, design};
-use super::parameters::{CrossHeatingParameters, QuiescentNetwork, SelfHeatingParameters};
+use super::parameters::{CrossHeatingParameters, NetworkError, QuiescentNetwork, SelfHeatingParameters};
 
 /// Bandwidth of heat that elements without a surface lose on unknown ways, Hz, at most.
 const UNKNOWN_HEAT_HZ: f64 = 0.2;
@@ -36,11 +35,6 @@ pub struct NetworkObserver {
 }
 
 impl NetworkObserver {
-    /// Whether an element of the head has a gain schedule for the time after an alarm.
-    pub fn has_schedule(&self, place: usize) -> bool {
-        self.faster.iter().any(|of| usize::from(of.element) == place)
-    }
-
     /// Standard deviation of the convective power, or the unknown heat, of an element of the head
     /// by the noise of its readings, W.
     pub fn noise_w(&self, place: usize) -> Option<f64> {

@@ -9,14 +9,15 @@
 //! |---|---|---|---|
 //! | ξ | `mesh_rad_s` | rates of the relaxations | rad/s |
 //! | R | `r_k_per_w` | thermal resistance of each relaxation | K/W |
-//! | m | `surface` | temperature of the surface over that of the element in each relaxation ([`ladder`](super::ladder)); 1 for an element without a surface | |
+//! | m | `surface` | temperature of the surface over that of the element in each relaxation ([`from_model`](super::from_model)); 1 for an element without a surface | |
 //! | P | | heating power | W |
 //! | q | | convective power; of an element without a surface the heat that it loses on ways that the identification did not have: to a support or by a stem that are warmer, colder or windier than they were | W |
 
+use diffusive::model::export::cauer::LadderSection;
+use recording::RecordingError;
 use serde::{Deserialize, Serialize};
 
-use super::ladder::LadderSection;
-use crate::head::nominal::NominalElement;
+use crate::head::element::NominalElement;
 
 /// Self-heating of an element, written as `[[calibration.self_heating]]` of a head file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -38,7 +39,6 @@ pub struct SelfHeatingParameters {
     /// R_k
     pub r_k_per_w: Vec<f64>,
     /// m_k; `None` for an element without a surface in the wind.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surface: Option<Vec<f64>>,
     /// Layers between the element and its surface; a head file has none, as the shares m_k say all
     /// that the board needs of them.
@@ -121,4 +121,34 @@ impl From<ReadingNoise> for [f64; 2] {
     fn from(ReadingNoise { low_k, high_k }: ReadingNoise) -> Self {
         [low_k, high_k]
     }
+}
+
+/// A model that cannot be a head's quiescent-gas network, a network whose filters cannot be
+/// designed, or records that make no network together: what is wrong, where, and what would be
+/// right. Nobody treats one of them otherwise than another.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{0}")]
+pub struct NetworkError(String);
+
+impl NetworkError {
+    pub(super) fn new(sentence: impl std::fmt::Display) -> Self {
+        Self(sentence.to_string())
+    }
+
+    /// The same with the element that it is about.
+    pub(super) fn of(self, element: &str) -> Self {
+        Self(format!("element `{element}`: {self}"))
+    }
+}
+
+/// Records from which no quiescent-gas network can be identified.
+#[derive(Debug, thiserror::Error)]
+pub enum NetworkIdentifyError {
+    /// A file cannot be read, is not one of quiescent gas with one driven element, or does not tell
+    /// a pair.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// The records make no network together, or diffusive finds no model of them.
+    #[error(transparent)]
+    Network(#[from] NetworkError),
 }

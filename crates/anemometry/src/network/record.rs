@@ -7,10 +7,11 @@
 
 use std::path::Path;
 
-use super::error::NetworkError;
 use diffusive::model::Conditions;
 use recording::text::listed;
 use recording::{POWER, Recording, RecordingError, STATE, TEMPERATURE, TRUE_WIND};
+
+use super::parameters::NetworkError;
 
 /// Share of the greatest range of power below which an element only measures.
 const MEASURES: f64 = 0.05;
@@ -65,16 +66,14 @@ impl QuiescentRecord {
         {
             return refuse(format!("is in state `{state}` from row {} on: cut it there", row + 1));
         }
-        let both = |element: &&str| {
-            recording.has(&recording::column_name(POWER, element))
-                && recording.has(&recording::column_name(TEMPERATURE, element))
-        };
+        let column = |quantity: &str, element: &str| recording::column_name(quantity, element);
+        let both = |element: &&str| [POWER, TEMPERATURE].iter().all(|of| recording.has(&column(of, element)));
         let elements: Vec<String> = recording.elements().into_iter().filter(both).map(str::to_owned).collect();
         let mut power_w = Vec::new();
         let mut temperature_c = Vec::new();
         for element in &elements {
-            power_w.push(recording.finite(&recording::column_name(POWER, element))?.to_vec());
-            temperature_c.push(recording.finite(&recording::column_name(TEMPERATURE, element))?.to_vec());
+            power_w.push(recording.finite(&column(POWER, element))?.to_vec());
+            temperature_c.push(recording.finite(&column(TEMPERATURE, element))?.to_vec());
         }
         let ranges: Vec<(f64, f64)> = power_w.iter().map(|power_w| range_and_mean(power_w)).collect();
         let Some(driven) = (0..ranges.len()).max_by(|&a, &b| ranges[a].0.total_cmp(&ranges[b].0)) else {
@@ -119,8 +118,8 @@ impl QuiescentRecord {
             return refuse(format!("has no element `{element}`; {hint}"));
         }
         let driven = self.driven_name();
-        let Some(place) = self.elements.iter().filter(|name| wanted.contains(name)).position(|name| name == driven)
-        else {
+        let mut own = self.elements.iter().filter(|name| wanted.contains(name));
+        let Some(place) = own.position(|name| name == driven) else {
             return refuse(format!("drives `{driven}`, which is not among {}", wanted.join(", ")));
         };
         let kept: Vec<bool> = self.elements.iter().map(|name| wanted.contains(name)).collect();
@@ -146,13 +145,9 @@ impl QuiescentRecord {
     /// If their elements or their gases differ.
     pub fn alike(&self, first: &Self) -> Result<(), NetworkError> {
         if self.elements != first.elements {
-            return Err(NetworkError::new(format!(
-                "{} has the elements {}, {} has {}: all records must be of one head",
-                first.name,
-                first.elements.join(", "),
-                self.name,
-                self.elements.join(", ")
-            )));
+            let [first, own] = [first, self].map(|of| (&of.name, of.elements.join(", ")));
+            let both = format!("{} has the elements {}, {} has {}", first.0, first.1, own.0, own.1);
+            return Err(NetworkError::new(format!("{both}: all records must be of one head")));
         }
         let (Some(own), Some(its)) = (&self.conditions, &first.conditions) else { return Ok(()) };
         let differences = its.differences(own, true);

@@ -9,7 +9,7 @@ use recording::text::count;
 use recording::{POWER, TEMPERATURE};
 use serde::Serialize;
 
-use super::ladder::{LadderSection, contact_time_s};
+use super::from_model::{LadderSection, contact_time_s};
 use super::parameters::{QuiescentNetwork, SelfHeatingParameters};
 
 /// Explains the lines of the elements.
@@ -166,50 +166,28 @@ impl fmt::Display for NetworkReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (records, rows, duration_s) = self.data;
         writeln!(f, "{}, {rows} rows, {duration_s:.0} s in all", count(records, "record"))?;
-        for element in &self.elements {
-            element.fmt(f)?;
-        }
+        self.elements.iter().try_for_each(|element| element.fmt(f))?;
         if !self.elements.is_empty() {
             f.write_str(LEGEND)?;
         }
         self.gains(f)?;
-        writeln!(
-            f,
-            "\n{:<14} {:>12} {:>16} {:>18}",
-            "element", "without heat", "apart by record", "left at low level"
-        )?;
+        writeln!(f, "\nelement        without heat  apart by record  left at low level")?;
         for output in &self.outputs {
-            writeln!(
-                f,
-                "{:<14} {:>9.4} °C {:>13.2} mK {:>15.3} mK",
-                output.element(),
-                output.offset_c,
-                1e3 * output.apart_k,
-                1e3 * output.residual_rms
-            )?;
+            let [apart_mk, left_mk] = [output.apart_k, output.residual_rms].map(|kelvin| 1e3 * kelvin);
+            let (element, offset_c) = (output.element(), output.offset_c);
+            writeln!(f, "{element:<14} {offset_c:>9.4} °C {apart_mk:>13.2} mK {left_mk:>15.3} mK")?;
         }
         // What of the head is not linear, and so is missing from the network.
         let worst = self.outputs.iter().max_by(|a, b| a.apart_k.total_cmp(&b.apart_k));
         if let Some(worst) = worst.filter(|output| output.apart_k > 0.0) {
-            writeln!(
-                f,
-                "records disagree by up to {:.2} mK, {}: {:.3} % of {TYPICAL_OVERHEAT_K} K of overheat",
-                1e3 * worst.apart_k,
-                worst.element(),
-                100.0 * worst.apart_k / TYPICAL_OVERHEAT_K
-            )?;
+            let (apart_mk, percent) = (1e3 * worst.apart_k, 100.0 * worst.apart_k / TYPICAL_OVERHEAT_K);
+            write!(f, "records disagree by up to {apart_mk:.2} mK, {}: ", worst.element())?;
+            writeln!(f, "{percent:.3} % of {TYPICAL_OVERHEAT_K} K of overheat")?;
         }
         writeln!(f, "\nchosen:")?;
-        for reason in &self.reasons {
-            writeln!(f, "  {reason}")?;
-        }
-        for warning in &self.warnings {
-            writeln!(f, "\nwarning: {warning}")?;
-        }
-        if let Some(path) = &self.written {
-            writeln!(f, "\nnetwork written to {}", path.display())?;
-        }
-        Ok(())
+        self.reasons.iter().try_for_each(|reason| writeln!(f, "  {reason}"))?;
+        self.warnings.iter().try_for_each(|warning| writeln!(f, "\nwarning: {warning}"))?;
+        self.written.iter().try_for_each(|path| writeln!(f, "\nnetwork written to {}", path.display()))
     }
 }
 

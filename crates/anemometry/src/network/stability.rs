@@ -1,4 +1,5 @@
-//! Stability of gain schedules: an observer is simulated against the network that it was made for,
+//! Observers that are stable, of one bandwidth or of one that rises for a while after the wind has
+//! jumped: an observer is simulated against the network that it was made for,
 //! before a board gets it.
 //!
 //! Gains are designed element by element, as if the others were known. They are not: an error of
@@ -29,12 +30,12 @@
 
 use dr_core::control::MOST_ELEMENTS;
 use dr_core::model::{ConvectionObserverState, TickInput, mesh};
-
-use super::error::NetworkError;
-use super::gain_schedule::{JUMP_W, LAST_PERIODS};
-use super::observer::NetworkObserver;
-use super::parameters::QuiescentNetwork;
 use recording::text::short;
+
+use super::gain_schedule::{JUMP_W, LAST_PERIODS, gain_schedule};
+use super::kalman::Plant;
+use super::observer::NetworkObserver;
+use super::parameters::{NetworkError, QuiescentNetwork};
 
 /// Each jump is followed for so many times as long as the last set of gains lasts.
 const FOLLOWED: f64 = 2.0;
@@ -88,6 +89,42 @@ impl QuiescentNetwork {
         }
         Err(NetworkError::new("the filters of its elements are unstable at any bandwidth: is the network right?"))
     }
+
+    /// Configurations as those of [`stable_observer`](Self::stable_observer), with a gain schedule
+    /// for every surface, or for none: one wind is estimated from all surfaces, and just after its
+    /// alarm a surface that is quicker than the others counts as missing. There are none if one of
+    /// them is too noisy or worse beside the other elements (above).
+    ///
+    /// # Errors
+    /// As [`stable_observer`](Self::stable_observer).
+    pub fn adaptive_observer(&self, bandwidth_hz: f64, sample_period_s: f64) -> Result<NetworkObserver, NetworkError> {
+        let steady = self.stable_observer(bandwidth_hz, sample_period_s)?;
+        let mut quick = steady.clone();
+        let mut too_noisy = Vec::new();
+        for (i, own) in self.own.iter().enumerate().filter(|(_, own)| own.surface.is_some()) {
+            match gain_schedule(&Plant { own, sample_period_s }, &steady.filters[i]) {
+                Some(schedule) => {
+                    quick.own[i].1.alarm = Some(schedule.alarm);
+                    quick.faster.extend(schedule.sets);
+                }
+                None => too_noisy.push(own.name.as_str()),
+            }
+        }
+        let (mut names, mut why) = (too_noisy, "nothing quicker is quiet enough");
+        if names.is_empty() {
+            names = worse_when_quick(self, &steady, &quick, bandwidth_hz, sample_period_s);
+            why = "beside their own network quick gains do worse after a jump";
+        }
+        if names.is_empty() && !quick_sets_settle(self, &quick, sample_period_s) {
+            let surfaces = self.own.iter().filter(|own| own.surface.is_some());
+            names = surfaces.map(|own| own.name.as_str()).collect();
+            why = "beside each other quick gains are unstable";
+        }
+        if names.is_empty() {
+            return Ok(quick);
+        }
+        Ok(NetworkObserver { fixed: Some(format!("{}: {why}", names.join(", "))), ..steady })
+    }
 }
 
 /// Levels at which the elements are read: a reading weighs the more the less noise it has.
@@ -126,7 +163,7 @@ fn settles(network: &QuiescentNetwork, observer: &NetworkObserver, bandwidth_hz:
 }
 
 /// Whether it does with each set of quick gains, used by all surfaces at once.
-pub fn quick_sets_settle(network: &QuiescentNetwork, quick: &NetworkObserver, sample_period_s: f64) -> bool {
+fn quick_sets_settle(network: &QuiescentNetwork, quick: &NetworkObserver, sample_period_s: f64) -> bool {
     let sets = quick.faster.iter().map(|of| of.set).max().map_or(0, |most| most + 1);
     (0..sets).all(|set| {
         let mut held = NetworkObserver { faster: Vec::new(), ..quick.clone() };
@@ -157,7 +194,7 @@ fn settles_within(network: &QuiescentNetwork, observer: &NetworkObserver, time_s
 }
 
 /// Names of the elements that are unstable or worse with quick gains for all surfaces.
-pub fn worse_when_quick<'a>(
+fn worse_when_quick<'a>(
     network: &'a QuiescentNetwork,
     steady: &NetworkObserver,
     quick: &NetworkObserver,
@@ -267,8 +304,8 @@ impl<'a> SimulatedNetwork<'a> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::parameters::{CrossHeatingParameters, ReadingNoise, SelfHeatingParameters};
     use super::*;
-    use crate::network::parameters::{CrossHeatingParameters, ReadingNoise, SelfHeatingParameters};
 
     /// Four dice that share a card: the simulated REMS, as identified at 40 Hz.
     fn card() -> QuiescentNetwork {

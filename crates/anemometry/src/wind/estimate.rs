@@ -11,22 +11,20 @@ use recording::text::tidy;
 use wire::WindSample;
 
 use super::comparison::WindComparison;
-use super::error::{CorrectedHeadError, WindError};
 use super::field_correction::{FieldCorrection, SlowErrorKind, SlowErrorReport, SlowErrorsUnknown, SlowEvidence};
 use super::gas_input::{GasInput, temperature_column};
 use super::gas_uncertainty::{GasReadingErrors, GasUncertainty};
 use super::given_winds::GivenWinds;
-use super::level_record::LevelRecord;
 use super::moment::{Moment, TickOrigin};
-use super::off_line::{OffLineAnemometer, axes};
+use super::off_line::{CorrectedHeadError, OffLineAnemometer, WindError, axes};
 use super::replay::Replay;
 use super::report::WindReport;
-use super::tally::EstimateTally;
-use super::unknown_heat::{UnknownHeat, contradiction};
+use super::tally::{EstimateTally, LevelRecord, UnknownHeat, contradiction};
+
 use crate::head::calibration::checked::Calibration;
-use crate::head::calibration::correction::CorrectionTable;
+use crate::head::calibration::commands::WindOutput;
+use crate::head::calibration::table::CorrectionTable;
 use crate::head::file::Head;
-use crate::head::output::WindOutput;
 
 /// Share of a tick by which the output interval may be off.
 const WHOLE: f64 = 1e-3;
@@ -308,10 +306,8 @@ impl<'a> WindEstimation<'a> {
                     self.gas_c = Some([least_c.min(is_c), most_c.max(is_c)]);
                 }
                 if NOT_SETTLED.iter().all(|flag| !sample.quality_flags.has(*flag)) {
-                    self.unknown_heat
-                        .iter_mut()
-                        .zip(&unknown_heat_w)
-                        .for_each(|(of, heat_w)| of.add(f64::from(*heat_w)));
+                    let each = self.unknown_heat.iter_mut().zip(&unknown_heat_w);
+                    each.for_each(|(of, heat_w)| of.add(f64::from(*heat_w)));
                 }
                 if let Some(truth) = true_wind_m_s {
                     self.comparison.add(&sample, &self.axes, truth);
@@ -376,9 +372,9 @@ fn output(options: &WindOptions, period_s: f64) -> Result<WindOutput, WindError>
             true => format!("{} s or {} s", tidy(below), tidy(above)),
             false => format!("{} s", tidy(period_s)),
         };
+        let periods = format!("sample periods of {} s", tidy(period_s));
         return Err(WindError::Interval(format!(
-            "{interval_s} is not a whole number of sample periods of {} s: {nearest} would be",
-            tidy(period_s)
+            "{interval_s} is not a whole number of {periods}: {nearest} would be"
         )));
     }
     // Twelve digits of a product, so that 3 × 0.01 is 0.03.

@@ -8,10 +8,11 @@ use diffusive::model::{SAME_PRESSURE, SAME_TEMPERATURE_K};
 use recording::{GAS_TEMPERATURE, Metadata};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
-use super::error::GasInputError;
 use super::gas_uncertainty::GasUncertainty;
 use super::moment::Moment;
+use super::off_line::GasInputError;
 use super::replay::Replay;
+
 use crate::gas::{GasError, ZERO_CELSIUS_K, check_pressure, check_temperature};
 use crate::head::calibration::checked::Calibration;
 use crate::head::file::Head;
@@ -64,54 +65,43 @@ impl GasInput {
         let conditions = replay.conditions.as_ref();
         let species = calibration.table.species.name();
         if let Some(of) = conditions.filter(|of| of.species != species) {
-            return refuse(&format!(
-                "{}: was taken in {}, but head `{}` is calibrated for {species}: another gas is another calibration",
-                recording.display(),
-                of.species,
-                head.name
-            ));
+            let taken = format!("{}: was taken in {}", recording.display(), of.species);
+            let calibrated = format!("but head `{}` is calibrated for {species}", head.name);
+            return refuse(&format!("{taken}, {calibrated}: another gas is another calibration"));
         }
-        let of_option = |error: GasError| GasInputError(error.to_string());
-        let of_recording = |error: GasError| GasInputError(format!("{}: {error}", recording.display()));
-        let pressure_pa = match (pressure_pa, conditions) {
-            (Some(pressure_pa), _) => {
-                check_pressure("--pressure", pressure_pa).map_err(of_option)?;
-                pressure_pa
-            }
-            (None, Some(of)) => {
-                check_pressure("gas_pressure_pa", of.pressure_pa).map_err(of_recording)?;
-                of.pressure_pa
-            }
+        let in_words = |error: GasError| {
+            let is_option = error.name.starts_with("--");
+            GasInputError(if is_option { error.to_string() } else { format!("{}: {error}", recording.display()) })
+        };
+        let (key, pressure_pa) = match (pressure_pa, conditions) {
+            (Some(pressure_pa), _) => ("--pressure", pressure_pa),
+            (None, Some(of)) => ("gas_pressure_pa", of.pressure_pa),
             (None, None) => {
                 return refuse("the recording does not tell the pressure of its gas: give --pressure, in Pa");
             }
         };
-        let temperature = match (calibration.reference, temperature) {
-            (Some(_), Some(_)) => {
+        check_pressure(key, pressure_pa).map_err(in_words)?;
+        let constant = |key: &'static str, celsius: f64| {
+            check_temperature(key, celsius + ZERO_CELSIUS_K).map_err(in_words)?;
+            Ok(TemperatureSource::Constant(celsius))
+        };
+        let temperature = match (calibration.reference, temperature, conditions) {
+            (Some(_), Some(_), _) => {
                 return refuse(
                     "--gas-temperature is given, but this head measures the gas by its reference: leave one of them out",
                 );
             }
-            (Some(element), None) => TemperatureSource::Element(head.elements[element].name.clone()),
-            (None, Some(word)) => match word.parse() {
-                Ok(celsius) => {
-                    check_temperature("--gas-temperature", celsius + ZERO_CELSIUS_K).map_err(of_option)?;
-                    TemperatureSource::Constant(celsius)
-                }
+            (Some(element), None, _) => TemperatureSource::Element(head.elements[element].name.clone()),
+            (None, Some(word), _) => match word.parse() {
+                Ok(celsius) => constant("--gas-temperature", celsius)?,
                 Err(_) => TemperatureSource::Column(word.to_owned()),
             },
-            (None, None) => match conditions {
-                Some(of) => {
-                    let temperature_k = of.gas_temperature_c + ZERO_CELSIUS_K;
-                    check_temperature("gas_temperature_c", temperature_k).map_err(of_recording)?;
-                    TemperatureSource::Constant(of.gas_temperature_c)
-                }
-                None => {
-                    return refuse(
-                        "nothing tells the temperature of the gas: give --gas-temperature, a number in °C or a column",
-                    );
-                }
-            },
+            (None, None, Some(of)) => constant("gas_temperature_c", of.gas_temperature_c)?,
+            (None, None, None) => {
+                return refuse(
+                    "nothing tells the temperature of the gas: give --gas-temperature, a number in °C or a column",
+                );
+            }
         };
         let mut warnings = Vec::new();
         if let Some(of) = conditions {
@@ -121,10 +111,8 @@ impl GasInput {
             if let TemperatureSource::Constant(celsius) = temperature
                 && (celsius - of.gas_temperature_c).abs() > SAME_TEMPERATURE_K
             {
-                warnings.push(format!(
-                    "--gas-temperature is {celsius} °C, but the recording says {} °C",
-                    of.gas_temperature_c
-                ));
+                let is_c = of.gas_temperature_c;
+                warnings.push(format!("--gas-temperature is {celsius} °C, but the recording says {is_c} °C"));
             }
         }
         Ok(Self { species, pressure_pa, temperature, uncertainty, last: None, has_begun: false, warnings })

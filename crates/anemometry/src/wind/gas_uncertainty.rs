@@ -13,6 +13,8 @@
 //! *Limits.* Of first order in the uncertainties. They are taken for independent of each other and
 //! of all else, and the same for the whole recording, so that no mean over it is more certain.
 
+use core::f32::consts::PI;
+
 use dr_core::control::{MOST_ELEMENTS, Tick};
 use dr_core::wind::QualityFlags;
 use dr_core::wind::slow_errors::SurfaceCorrection;
@@ -20,12 +22,11 @@ use dr_core::wind::sphere::SECTORS;
 use recording::toml_file::FileError;
 use wire::WindSample;
 
-use super::added_uncertainty::add_uncertainty;
-use super::error::GasInputError;
-use super::off_line::OffLineAnemometer;
+use super::off_line::{GasInputError, OffLineAnemometer};
+
 use crate::head::calibration::checked::Calibration;
+use crate::head::calibration::commands::WindOutput;
 use crate::head::file::Head;
-use crate::head::output::WindOutput;
 use crate::vector::angle_deg;
 
 /// Standard uncertainties of the readings of the gas; what is none is taken for certain.
@@ -144,6 +145,15 @@ fn add(off: &WindSample, ratio: f32, axes_across: f64, estimate: &mut WindSample
     let turned_rad = f64::from(ratio) * turned_deg.to_radians() / axes_across.sqrt();
     let faster_m_s = f64::from(ratio * (off.speed_m_s - estimate.speed_m_s));
     add_uncertainty(estimate, [x * x, y * y, z * z, x * y, x * z, y * z], [faster_m_s, turned_rad]);
+}
+
+/// Adds what a cause that is independent of all else does: to xx, yy, zz, xy, xz, yz, m²/s², to the
+/// speed, m/s, and to the direction about one axis across it, rad.
+pub fn add_uncertainty(sample: &mut WindSample, covariance_m2_s2: [f64; 6], [speed_m_s, direction_rad]: [f64; 2]) {
+    let elements = sample.covariance_m2_s2.iter_mut().zip(covariance_m2_s2);
+    elements.for_each(|(element, added)| *element += added as f32);
+    sample.speed_error_m_s = sample.speed_error_m_s.hypot(speed_m_s as f32);
+    sample.direction_error_rad = sample.direction_error_rad.hypot(direction_rad as f32).min(PI);
 }
 
 #[cfg(test)]

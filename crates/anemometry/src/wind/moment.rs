@@ -5,6 +5,7 @@
 //! reading; the last good one stands in its place, as on the board.
 
 use dr_core::control::{Heaters, MOST_ELEMENTS, RunState, Tick};
+use recording::RecordingRow;
 
 /// Time over which powers are averaged for ticks that are missing, s: long beside a switching loop,
 /// short beside a wind.
@@ -114,6 +115,25 @@ impl Ticks {
     pub fn missing(&mut self) -> Tick<MOST_ELEMENTS> {
         self.last = Tick { tick: self.last.tick.saturating_add(1), valid: 0, power_w: self.mean_w, ..self.last };
         self.last
+    }
+
+    /// The moment of a row. Rows begin at time 0 and come in order, with none left out.
+    pub fn moment(&mut self, row: &RecordingRow<'_>) -> Moment {
+        let reading = |(i, (&temperature_c, &power_w))| ElementReading {
+            temperature_c,
+            power_w,
+            is_high: row.heaters >> i & 1 == 1,
+        };
+        let readings = row.temperature_c.iter().zip(row.power_w).enumerate().map(reading);
+        Moment {
+            time_s: row.time_s,
+            tick: self.tick(row.time_s, run_state(row.state), readings),
+            event: row.event.to_owned(),
+            state: row.state.to_owned(),
+            wind_m_s: row.true_wind_m_s,
+            gas_c: row.gas_temperature_c,
+            known: TickOrigin::Recorded,
+        }
     }
 }
 

@@ -10,9 +10,6 @@
 
 use std::path::{Path, PathBuf};
 
-use super::error::RecordedHeadError;
-use super::moment::{ElementReading, Moment, TickOrigin, Ticks, run_state};
-use crate::head::file::Head;
 use diffusive::model::Conditions;
 use recording::text::{suggest, tidy};
 use recording::toml_file::TomlSource;
@@ -20,6 +17,11 @@ use recording::{
     ColumnValues, EVENT, GAS_TEMPERATURE, HEATER, POWER, RecordingColumn, RecordingError, RecordingReader, STATE,
     TEMPERATURE, TIME, TRUE_WIND,
 };
+
+use super::moment::{ElementReading, Moment, TickOrigin, Ticks, run_state};
+use super::off_line::RecordedHeadError;
+
+use crate::head::file::Head;
 
 /// Moments are `AfterGap` for so many times as long as the gap lasted.
 const AFTER_GAP: f64 = 10.0;
@@ -93,7 +95,7 @@ impl Replay {
         };
         let lacking = |name: &str| {
             let hint = suggest(name, names.iter().map(String::as_str));
-            content(path, format!("has no column `{name}`; {hint}"))
+            RecordingError::new(path, format!("has no column `{name}`; {hint}"))
         };
         let mut needed = |name: String| place(&name).ok_or_else(|| lacking(&name));
         let time = needed(TIME.to_owned())?;
@@ -108,10 +110,8 @@ impl Replay {
             None => place(GAS_TEMPERATURE),
         };
         let (event, state) = (place(EVENT), place(STATE));
-        let wind = match TRUE_WIND.map(&mut place) {
-            [Some(x), Some(y), Some(z)] => Some([x, y, z]),
-            _ => None,
-        };
+        let [x, y, z] = TRUE_WIND.map(&mut place);
+        let wind = x.zip(y).zip(z).map(|((x, y), z)| [x, y, z]);
         for (name, column) in [(EVENT, event), (STATE, state)] {
             if column.is_some()
                 && let Some(at) = names.iter().position(|known| known == name)
@@ -214,7 +214,7 @@ impl Replay {
     fn missing_before_next(&mut self) -> Result<u64, RecordingError> {
         self.count += 1;
         let time_s = number(&self.chunk[self.places.time], self.row);
-        let refuse = |problem: String| Err(content(&self.path, format!("row {}: {problem}", self.count)));
+        let refuse = |problem: String| Err(RecordingError::new(&self.path, format!("row {}: {problem}", self.count)));
         if !time_s.is_finite() {
             return refuse(format!("`{TIME}` is {time_s}: a time belongs there"));
         }
@@ -255,7 +255,7 @@ fn number(column: &RecordingColumn, row: usize) -> f64 {
 /// The sample period that the recording carries, or else the median time between its first rows;
 /// both have to agree.
 fn period_of(path: &Path, said_s: Option<f64>) -> Result<f64, RecordingError> {
-    let refuse = |sentence: &str| content(path, sentence.to_owned());
+    let refuse = |sentence: &str| RecordingError::new(path, sentence);
     let mut reader = RecordingReader::open(path)?;
     let time = reader.names().iter().position(|name| name == TIME);
     reader.select(&[time.ok_or_else(|| refuse(&format!("has no column `{TIME}`")))?]);
@@ -275,16 +275,11 @@ fn period_of(path: &Path, said_s: Option<f64>) -> Result<f64, RecordingError> {
         }
         None => Ok(usual_s),
         Some(said_s) if (usual_s / said_s - 1.0).abs() <= ROUNDED => Ok(said_s),
-        Some(said_s) => Err(refuse(&format!(
-            "says that its sample period is {said_s} s, but its rows are {} s apart: one of them is wrong",
-            tidy(usual_s)
-        ))),
+        Some(said_s) => {
+            let apart = format!("its rows are {} s apart: one of them is wrong", tidy(usual_s));
+            Err(refuse(&format!("says that its sample period is {said_s} s, but {apart}")))
+        }
     }
-}
-
-/// The error for a recording that is whole, but cannot be replayed.
-fn content(path: &Path, sentence: String) -> RecordingError {
-    RecordingError::new(path, sentence)
 }
 
 /// The requested head, or the one that the recording carries.
@@ -297,7 +292,7 @@ pub fn head_of(recording: &Path, head: Option<&Path>) -> Result<Head, RecordedHe
     }
     let metadata = RecordingReader::open(recording)?.metadata();
     let text = metadata.iter().find(|(key, _)| key == "head").map(|(_, text)| text.clone());
-    let text = text.ok_or_else(|| content(recording, "carries no head; name one with --head".to_owned()))?;
+    let text = text.ok_or_else(|| RecordingError::new(recording, "carries no head; name one with --head"))?;
     let path = format!("the head in {}", recording.display()).into();
     Ok(Head::from_source(TomlSource { path, text })?)
 }

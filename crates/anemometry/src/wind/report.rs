@@ -10,9 +10,9 @@ use serde::ser::{SerializeMap, Serializer};
 use super::comparison::WindComparison;
 use super::field_correction::SlowErrorReport;
 use super::gas_input::GasInput;
-use super::tally::EstimateSummary;
-use super::unknown_heat::UnknownHeat;
-use crate::head::output::WindOutput;
+use super::tally::{EstimateSummary, UnknownHeat};
+
+use crate::head::calibration::commands::WindOutput;
 
 /// Summary of `anemo wind`.
 #[derive(Debug, Clone, PartialEq)]
@@ -105,35 +105,21 @@ impl fmt::Display for WindReport {
         let fixed = if fixed { ", fixed" } else { "" };
         let estimates = count(self.estimates as usize, "wind estimate");
         writeln!(f, "{estimates}, one each {interval_s} s, bandwidth {bandwidth_hz} Hz{fixed}")?;
-        if let Some(why) = &self.fixed_because {
-            writeln!(f, "the bandwidth stays fixed for {why}")?;
-        }
-        if let Some(correction) = &self.correction {
-            writeln!(f, "{correction}")?;
-        }
-        for warning in &self.warnings {
-            writeln!(f, "warning: {warning}")?;
-        }
+        self.fixed_because.iter().try_for_each(|why| writeln!(f, "the bandwidth stays fixed for {why}"))?;
+        self.correction.iter().try_for_each(|correction| writeln!(f, "{correction}"))?;
+        self.warnings.iter().try_for_each(|warning| writeln!(f, "warning: {warning}"))?;
         if self.gaps > 0 {
-            writeln!(
-                f,
-                "{} in the recording, {} s in all: for ten times as long after each, estimates are flagged `starting`",
-                count(self.gaps as usize, "gap"),
-                tidy(self.missing_s)
-            )?;
+            let (gaps, missing_s) = (count(self.gaps as usize, "gap"), tidy(self.missing_s));
+            write!(f, "{gaps} in the recording, {missing_s} s in all: ")?;
+            writeln!(f, "for ten times as long after each, estimates are flagged `starting`")?;
         }
         self.counting(f)?;
         self.quality(f)?;
-        if let Some(slow_errors) = &self.slow_errors {
-            write!(f, "{slow_errors}")?;
-        }
+        self.slow_errors.iter().try_for_each(|slow_errors| write!(f, "{slow_errors}"))?;
         if let Some(comparison) = &self.comparison {
             compared(f, comparison, self.in_plane)?;
         }
-        for path in &self.written {
-            writeln!(f, "\nwritten to {}", path.display())?;
-        }
-        Ok(())
+        self.written.iter().try_for_each(|path| writeln!(f, "\nwritten to {}", path.display()))
     }
 }
 
@@ -181,10 +167,8 @@ impl WindReport {
                 [one] => (format!("`{one}`"), "stays", "it"),
                 several => (format!("`{}`", several.join("`, `")), "stay", "them"),
             };
-            writeln!(
-                f,
-                "{names} {stay} at one level, as at constant current: no loop holds {hold}, hence `saturated`"
-            )?;
+            let hold = format!("no loop holds {hold}, hence `saturated`");
+            writeln!(f, "{names} {stay} at one level, as at constant current: {hold}")?;
         }
         Ok(())
     }
@@ -213,12 +197,9 @@ fn compared(f: &mut fmt::Formatter<'_>, errors: &WindComparison, in_plane: bool)
         }
         writeln!(f)?;
     }
-    let percent = |name: &str, share: f64| format!("{name} {:.1} %", 100.0 * share);
-    let [direction, speed] = [errors.direction_coverage, errors.speed_coverage].map(|of| of.share());
-    let held: Vec<String> = [("direction", direction), ("speed", speed)]
-        .into_iter()
-        .filter_map(|(name, share)| Some(percent(name, share?)))
-        .collect();
+    let held = [("direction", errors.direction_coverage), ("speed", errors.speed_coverage)].into_iter();
+    let held = held.filter_map(|(name, of)| Some(format!("{name} {:.1} %", 100.0 * of.share()?)));
+    let held: Vec<String> = held.collect();
     if !held.is_empty() {
         writeln!(f, "  95 % intervals of estimates without a flag hold: {}", held.join(", "))?;
     }

@@ -3,7 +3,7 @@
 use anemometry::head::Head;
 use anemometry::wind::field_correction::{FieldCorrection, SlowErrorKind, SlowEvidence};
 use anemometry::wind::gas_uncertainty::GasUncertainty;
-use anemometry::wind::live::LiveRows;
+use anemometry::wind::moment::Ticks;
 use anemometry::wind::moment::Moment;
 use host_sim::experiment::Experiment;
 use wire::WindSample;
@@ -27,7 +27,7 @@ pub fn blow_corrected(
     each: &mut dyn FnMut(bool, &Moment, &WindSample),
 ) -> Result<(), StudyError> {
     let mut moments = Vec::new();
-    let mut live = LiveRows::new(experiment.sample_period_s);
+    let mut live = Ticks::new(experiment.sample_period_s);
     rows(experiment, &mut |row| {
         moments.push(live.moment(row));
         Ok(())

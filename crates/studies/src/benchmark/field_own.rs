@@ -128,7 +128,7 @@ fn calibrated(own: &StudyLab<'_>, case: &OwnCase, seed: u64, model: &Model) -> R
     if let Some(buoyancy) = first.field.buoyancy {
         options.gravity = Gravity { m_s2: buoyancy.gravity_m_s2, up: buoyancy.up };
     }
-    let other = |error: anemometry::calibrate::error::CalibratorError| StudyError::Other(error.to_string());
+    let other = |error: anemometry::calibrate::steady_wind::CalibratorError| StudyError::Other(error.to_string());
     let calibrator = Calibrator::new(&first.head, NetworkSource::Identified(model), &options, None).map_err(other)?;
     let mut steady = Vec::new();
     for tunnel in &tunnels {

@@ -1,14 +1,16 @@
-//! A calibrated card, as text and as the inverse that the board runs.
+//! A calibrated card, as text and as the inverse that the board runs; the steps to it: check, spread
+//! of the winds, curves, check of the result; and its cross-validation.
 
 use std::fmt;
 
-use dr_core::wind::card_inverse::{Card, DICE, anisotropy};
+use dr_core::wind::card_inverse::{Card, DICE, KNOTS, anisotropy};
 use dr_core::wind::{MeasuredConductance, QualityFlags};
 
-use super::super::compared::{ComparedWind, StatedError};
-use super::super::error::CalibrateError;
-use super::super::steady_wind::SteadyWind;
-use super::drawn::DrawnCard;
+use super::super::cross_validation::{ComparedWind, CrossValidation, Scheme, StatedError};
+use super::super::steady_wind::{CalibrateError, SteadyWind};
+use super::curves::{differences, mean};
+use super::drawn::{CardWind, DrawnCard, PLACES, ends, lacking, winds};
+
 use crate::head::calibration::table::CardTable;
 use crate::vector::{angle_deg, length};
 
@@ -81,21 +83,76 @@ impl fmt::Display for CardCalibration {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let CardTable { least_reynolds, most_reynolds, mean_share, difference_share, .. } = self.curves;
         writeln!(f, "{} winds, Re {least_reynolds:.1} to {most_reynolds:.1}", self.winds)?;
-        writeln!(
-            f,
-            "mean: {:.2} % of what the wind adds is left over; differences: {:.2} %, as Re^{:.3}",
-            100.0 * mean_share,
-            100.0 * difference_share,
-            self.exponent
-        )?;
+        let [mean, differences] = [mean_share, difference_share].map(|share| 100.0 * share);
+        write!(f, "mean: {mean:.2} % of what the wind adds is left over; ")?;
+        writeln!(f, "differences: {differences:.2} %, as Re^{:.3}", self.exponent)?;
         let seen = |degrees: f64| self.seen_at(degrees.to_radians());
-        writeln!(
-            f,
-            "of the speed head-on the card sees {:.2} across and {:.2} in reverse",
-            0.5 * (seen(90.0) + seen(-90.0)),
-            seen(0.0)
-        )?;
+        let (across, reverse) = (0.5 * (seen(90.0) + seen(-90.0)), seen(0.0));
+        writeln!(f, "of the speed head-on the card sees {across:.2} across and {reverse:.2} in reverse")?;
         let gains: Vec<String> = self.gains.iter().map(|gain| format!("{gain:.4}")).collect();
         writeln!(f, "gains {}; in quiescent gas {:.4} mW/K", gains.join(", "), 1e3 * self.quiescent_w_k)
     }
+}
+
+/// Calibrates a card.
+///
+/// # Errors
+/// If a reading cannot be meant, if the winds do not determine what is sought, or if what fits best
+/// makes no card.
+pub fn calibrate(drawn: &DrawnCard, steady: &[SteadyWind]) -> Result<CardCalibration, CalibrateError> {
+    let lacking = lacking(&winds(drawn, steady)?);
+    if lacking.is_empty() { solve(drawn, steady) } else { Err(CalibrateError::Spread(lacking)) }
+}
+
+/// Fits all but every `count`-th wind, from each of the first `count` on, and compares the winds
+/// that were left out.
+///
+/// # Errors
+/// As those of [`calibrate`].
+pub fn cross_validate(
+    drawn: &DrawnCard,
+    steady: &[SteadyWind],
+    count: usize,
+) -> Result<CrossValidation, CalibrateError> {
+    let moving = |at: &usize| steady[*at].wind_m_s != [0.0; 3];
+    let folds: Vec<Vec<usize>> =
+        (0..count).map(|fold| (fold..steady.len()).step_by(count).filter(moving).collect()).collect();
+    let fit = |stay: &[SteadyWind]| solve(drawn, stay);
+    CrossValidation::new((Scheme::EveryNth, &folds, Vec::new()), steady, fit, CardCalibration::compare)
+}
+
+/// Calibrates a card without a check of the spread of the winds.
+fn solve(drawn: &DrawnCard, steady: &[SteadyWind]) -> Result<CardCalibration, CalibrateError> {
+    let winds = winds(drawn, steady)?;
+    let (least_reynolds, most_reynolds) = ends(&winds);
+    let differences = differences(&winds).ok_or(CalibrateError::NoMinimum)?;
+    let mean = mean(&winds, most_reynolds.sqrt()).ok_or(CalibrateError::NoMinimum)?;
+    let squares = |of: &dyn Fn(&CardWind) -> f64| winds.iter().map(of).sum::<f64>();
+    let twist = squares(&|wind| wind.twist * wind.mean) / squares(&|wind| wind.mean * wind.mean);
+    let [along, around] = differences.unlike;
+    let gains = PLACES.map(|[p, q]| 1.0 / (1.0 + along * p + around * q + twist * p * q));
+    let usual = gains.iter().sum::<f64>() / DICE as f64;
+    let root = |k: usize| most_reynolds.sqrt() * k as f64 / (KNOTS - 1) as f64;
+    // Still gas counts at the reference, where the network holds it.
+    let conductivity_w_m_k = steady.first().map_or(0.0, |steady| steady.gas.conductivity_w_m_k);
+    let calibration = CardCalibration {
+        curves: CardTable {
+            least_reynolds,
+            most_reynolds,
+            mean: mean.knots,
+            difference: std::array::from_fn(|k| root(k).powf(2.0 * differences.exponent)),
+            along: differences.along,
+            around: differences.around,
+            seen: mean.seen,
+            mean_share: mean.share,
+            difference_share: differences.share,
+        },
+        exponent: differences.exponent,
+        gains: gains.map(|gain| gain / usual),
+        quiescent_w_k: drawn.quiescent_w_k(conductivity_w_m_k),
+        winds: winds.len(),
+        drawn: drawn.clone(),
+    };
+    calibration.card()?;
+    Ok(calibration)
 }

@@ -1,10 +1,12 @@
-//! A card as drawn, and its winds in the numbers that are fitted.
+//! A card as drawn, and its winds in the numbers that are fitted; winds that are missing to determine
+//! a card, before anything is fitted.
 
 use dr_core::wind::SurfaceConfig;
 use dr_core::wind::card_inverse::{CONDUCTION, DICE};
+use recording::text::count;
 
-use super::super::error::CalibrateError;
-use super::super::steady_wind::{SteadyWind, SurfaceReading};
+use super::super::steady_wind::{CalibrateError, SteadyWind, SurfaceReading};
+
 use crate::vector::{cross, dot, unit};
 
 /// p_i, q_i: neighbours follow each other from the tip on.
@@ -108,4 +110,37 @@ impl DrawnCard {
 /// The label of the first reading that cannot be meant.
 pub fn winds(drawn: &DrawnCard, steady: &[SteadyWind]) -> Result<Vec<CardWind>, CalibrateError> {
     steady.iter().filter_map(|steady| drawn.wind(steady).transpose()).collect()
+}
+
+/// Sectors of directions of which each needs a wind.
+const SECTORS: usize = 12;
+/// Fewest winds: some for every unknown.
+const LEAST_WINDS: usize = 40;
+/// Least ratio of the greatest to the least speed.
+const LEAST_RATIO: f64 = 3.0;
+/// Which winds are missing, a sentence each.
+pub fn lacking(winds: &[CardWind]) -> Vec<String> {
+    let mut lacking = Vec::new();
+    if winds.len() < LEAST_WINDS {
+        lacking.push(format!("{} given, at least {LEAST_WINDS} are needed", count(winds.len(), "wind")));
+    }
+    let (least, most) = ends(winds);
+    if most < LEAST_RATIO * least {
+        let fastest = format!("the fastest wind is {:.1} times as fast as the slowest", most / least);
+        lacking.push(format!("{fastest}; {LEAST_RATIO} times are needed at least"));
+    }
+    let width = 360 / SECTORS;
+    let sector = |wind: &CardWind| (wind.angle.to_degrees().rem_euclid(360.0) as usize / width).min(SECTORS - 1);
+    for empty in (0..SECTORS).filter(|&n| winds.iter().all(|wind| sector(wind) != n)) {
+        let [from, to] = [empty, empty + 1].map(|edge| edge * width);
+        lacking.push(format!("no wind goes towards {from} to {to}° from the tip around the boom"));
+    }
+    lacking
+}
+
+/// Least and greatest Reynolds number.
+pub fn ends(winds: &[CardWind]) -> (f64, f64) {
+    winds.iter().fold((f64::INFINITY, 0.0_f64), |(least, most), wind| {
+        (least.min(wind.root * wind.root), most.max(wind.root * wind.root))
+    })
 }

@@ -23,17 +23,12 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | [`drawn`] | a card as drawn, and its winds |
-//! | [`spread`] | which winds are missing |
-//! | [`differences`], [`mean`] | the curves (D_p, D_q) and M |
-//! | [`calibration`] | the result, as text, and as dr-core's configuration |
-//! | [`solve`] | all steps in order, and the cross-validation |
+//! | [`drawn`] | a card as drawn, its winds, and which of them are missing |
+//! | [`curves`] | the curves (D_p, D_q) and M |
+//! | [`calibration`] | the result, as text and as dr-core's configuration, and its cross-validation |
 
 pub mod calibration;
-pub mod differences;
+pub mod curves;
 pub mod drawn;
-pub mod mean;
-pub mod solve;
-pub mod spread;
 
-pub use solve::{calibrate, cross_validate};
+pub use calibration::{calibrate, cross_validate};

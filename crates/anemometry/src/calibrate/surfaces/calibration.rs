@@ -10,22 +10,20 @@ use dr_core::wind::free_stream::STEM_KNOTS;
 use dr_core::wind::nusselt::POINTS;
 use dr_core::wind::{ConvectionSettings, HeadForm, MeasuredConductance, SurfaceConfig, WindVector};
 use nalgebra::{DMatrix, Matrix3, SymmetricEigen, Vector3};
+use recording::text::{count, estimate, short};
 use serde::Serialize;
 
 use super::super::drawn::DrawnOptions;
-use super::super::error::WorstReading;
-use super::super::steady_wind::SurfaceReading;
+use super::super::steady_wind::{SurfaceReading, WorstReading};
 use super::equations::{QUIESCENT, SurfaceEquations, SurfaceProblem};
 use super::family::AmplitudeShape;
-use super::fit::SurfaceFit;
-use super::grade::{ADVICE, CalibrationGrade};
-use super::king::FittedKing;
+use super::fit::{ADVICE, CalibrationGrade, FittedKing, SurfaceFit};
+use super::readings::chord;
 use super::sought::SoughtConvection;
-use super::stream::chord;
+
 use crate::gas::ZERO_CELSIUS_K;
 use crate::head::calibration::table::{ConvectionModelTable, NusseltTable, PropertyTemperature, RiseTable, StemTable};
 use crate::vector::length;
-use recording::text::{count, estimate, short};
 
 /// Nusselt numbers beyond so many times published ones are those of wrong units.
 const UNLIKELY: f64 = 5.0;
@@ -259,12 +257,11 @@ impl SurfaceCalibration {
         }
         let likely = self.over_published();
         if !(1.0 / UNLIKELY..=UNLIKELY).contains(&likely) {
+            let [times, least, most] =
+                [likely, self.curves.least_reynolds, self.curves.most_reynolds].map(|number| short(number, 2));
             sentences.push(format!(
-                "the Nusselt numbers are {} times those of such bodies at Re {} to {}: is the pressure in pascals, the speed in m/s, the \
-                 power in watts, and are diameter and area those of the body?",
-                short(likely, 2),
-                short(self.curves.least_reynolds, 2),
-                short(self.curves.most_reynolds, 2)
+                "the Nusselt numbers are {times} times those of such bodies at Re {least} to {most}: is the pressure in pascals, the speed \
+                 in m/s, the power in watts, and are diameter and area those of the body?"
             ));
         }
         sentences
@@ -309,37 +306,26 @@ impl fmt::Display for SurfaceCalibration {
             }
             writeln!(f)?;
         }
+        let [residual, reading, misfit] = [self.residual_rms, self.reading_rms, self.misfit_rms].map(|rms| 100.0 * rms);
+        let WorstReading { label, surface, errors } = &self.worst;
         writeln!(
             f,
-            "residuals {:.3} % rms of the convective power; worst {} {} with {:+.1} σ",
-            100.0 * self.residual_rms,
-            self.worst.label,
-            self.worst.surface,
-            self.worst.errors
+            "residuals {residual:.3} % rms of the convective power; worst {label} {surface} with {errors:+.1} σ"
         )?;
-        writeln!(
-            f,
-            "readings known to {:.3} %, misfit of the model {:.3} %; χ² {:.0} for {:.0} degrees of freedom by the readings alone",
-            100.0 * self.reading_rms,
-            100.0 * self.misfit_rms,
-            self.chi_square,
-            self.degrees_of_freedom
-        )?;
+        let (square, freedom) = (self.chi_square, self.degrees_of_freedom);
+        write!(f, "readings known to {reading:.3} %, misfit of the model {misfit:.3} %; ")?;
+        writeln!(f, "χ² {square:.0} for {freedom:.0} degrees of freedom by the readings alone")?;
         let advice = if self.grade() == CalibrationGrade::Poor { format!(": {ADVICE}") } else { String::new() };
-        writeln!(f, "{}: {}{advice}", self.grade().name(), self.grade().meaning())?;
+        let [grade, meaning] = self.grade().words();
+        writeln!(f, "{grade}: {meaning}{advice}")?;
         if self.form != HeadForm::Single {
             self.write_mounting(f)?;
         }
         self.write_convection(f)?;
         writeln!(f, "{:<12} {:>23} {:>23}", "surface", "gain", "G0 mW/K")?;
         for surface in &self.surfaces {
-            writeln!(
-                f,
-                "{:<12} {:>23} {:>23}",
-                surface.name,
-                estimate(surface.gain, surface.gain_error),
-                surface.quiescent()
-            )?;
+            let gain = estimate(surface.gain, surface.gain_error);
+            writeln!(f, "{:<12} {gain:>23} {:>23}", surface.name, surface.quiescent())?;
         }
         if self.surfaces.iter().any(|surface| !surface.is_quiescent_fitted) {
             let percent = 100.0 * QUIESCENT;
@@ -358,13 +344,8 @@ impl SurfaceCalibration {
         };
         writeln!(f, "properties of the gas at {at}, Nu at rest {}", short(of.nusselt_at_rest, 3))?;
         if let (Some(rise), Some([a, b])) = (&of.rise, self.rise_errors) {
-            writeln!(
-                f,
-                "rise of the warmed gas: a {}, b {}, at {} m/s²",
-                estimate(rise.at_rest, a),
-                estimate(rise.decay, b),
-                rise.gravity_m_s2
-            )?;
+            let (a, b) = (estimate(rise.at_rest, a), estimate(rise.decay, b));
+            writeln!(f, "rise of the warmed gas: a {a}, b {b}, at {} m/s²", rise.gravity_m_s2)?;
         }
         if let Some(stem) = of.stem.as_ref().filter(|stem| stem.factor.iter().any(|factor| *factor != 1.0)) {
             let least = stem.factor.iter().copied().fold(f64::INFINITY, f64::min);
@@ -374,16 +355,9 @@ impl SurfaceCalibration {
     }
 
     fn write_mounting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let degrees = |v: [f64; 3]| v.map(f64::to_degrees);
-        let ([x, y, z], [ex, ey, ez]) = (degrees(self.rotation_rad), degrees(self.rotation_error_rad));
-        writeln!(
-            f,
-            "mounting turned by {:.2}°: ({}, {}, {})°",
-            length(self.rotation_rad).to_degrees(),
-            estimate(x, ex),
-            estimate(y, ey),
-            estimate(z, ez)
-        )
+        let (turns, errors) = (self.rotation_rad.map(f64::to_degrees), self.rotation_error_rad.map(f64::to_degrees));
+        let [x, y, z] = [0, 1, 2].map(|k| estimate(turns[k], errors[k]));
+        writeln!(f, "mounting turned by {:.2}°: ({x}, {y}, {z})°", length(self.rotation_rad).to_degrees())
     }
 }
 

@@ -10,12 +10,11 @@
 //!
 //! for k numbers more, with ν the degrees of freedom.
 
-use super::super::error::CalibrateError;
-use super::super::steady_wind::SteadyWind;
-use super::readings::{self, DrawnSurfaces};
+use super::super::steady_wind::{CalibrateError, SteadyWind};
+use super::readings::{self, DrawnSurfaces, is_behind};
 use super::solve::solve;
 use super::sought::{Gravity, SoughtConvection};
-use super::stream::is_behind;
+
 use crate::head::calibration::PropertyTemperature;
 
 /// Temperatures of quiescent gas that differ by less say nothing of properties and rest, K.

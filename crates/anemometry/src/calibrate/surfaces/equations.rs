@@ -22,8 +22,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::family::{AmplitudeFamily, AmplitudeShape, BasisAt, SIZE};
 use super::mounting::Mounting;
-use super::readings::{CheckedReading, CheckedWind, SurfaceGeometry};
-use super::stream::met_m_s;
+use super::readings::{CheckedReading, CheckedWind, SurfaceGeometry, met_m_s};
 
 /// Relative standard error of γ before any reading: a reference gas some 20 K from the mean one,
 /// and the areas as drawn, make half of it.
@@ -384,45 +383,34 @@ impl<'a> SurfaceProblem<'a> {
 
     fn prior(&self, place: &FitPoint, stage: FitStage, sums: &mut NormalSums) {
         let mut row = vec![0.0; sums.b.len()];
-        for known in self.family.prior(stage.size) {
+        let mut known = |factors: &[(usize, f64)], residual: f64| {
             row.fill(0.0);
-            let mut value = 0.0;
-            for (k, factor) in known {
-                row[k] = factor;
-                value += factor * place.coefficients[k];
-            }
-            sums.add(&row, -value);
+            factors.iter().for_each(|(k, factor)| row[*k] = *factor);
+            sums.add(&row, residual);
+        };
+        for factors in self.family.prior(stage.size) {
+            let value: f64 = factors.iter().map(|(k, factor)| factor * place.coefficients[*k]).sum();
+            known(&factors, -value);
         }
         // Columns of Z are orthonormal: u = Zᵀ (c − 1).
         let gains = DVector::from_fn(place.gains.len(), |i, _| place.gains[i] - 1.0);
-        let gains = self.spread.tr_mul(&gains);
-        for (k, u) in gains.iter().enumerate() {
-            row.fill(0.0);
-            row[self.first_gain() + k] = 1.0 / GAIN;
-            sums.add(&row, -u / GAIN);
+        for (k, u) in self.spread.tr_mul(&gains).iter().enumerate() {
+            known(&[(self.first_gain() + k, 1.0 / GAIN)], -u / GAIN);
         }
+        let error = QUIESCENT * self.family.at_rest;
         for (i, still) in place.quiescent.iter().enumerate() {
-            row.fill(0.0);
-            let error = QUIESCENT * self.family.at_rest;
-            row[self.first_quiescent() + i] = 1.0 / error;
-            sums.add(&row, (self.family.at_rest - still) / error);
+            known(&[(self.first_quiescent() + i, 1.0 / error)], (self.family.at_rest - still) / error);
         }
         let first = self.first_of_stream(place);
-        for (known, value) in self.head.drawn.convection.prior() {
-            row.fill(0.0);
-            let mut now = 0.0;
-            for (k, factor) in known {
-                row[first + k] = factor;
-                now += factor * place.stream[k];
-            }
-            sums.add(&row, value - now);
+        for (factors, value) in self.head.drawn.convection.prior() {
+            let now: f64 = factors.iter().map(|(k, factor)| factor * place.stream[*k]).sum();
+            let factors: Vec<(usize, f64)> = factors.into_iter().map(|(k, factor)| (first + k, factor)).collect();
+            known(&factors, value - now);
         }
         if !self.head.form().is_sphere() {
             let turned = Vector3::from(place.mounting.vector());
-            for k in 0..place.mounting.turns.ncols() {
-                row.fill(0.0);
-                row[self.first_turn() + k] = 1.0 / TURN;
-                sums.add(&row, -turned.dot(&place.mounting.turns.fixed_view::<3, 1>(0, k)) / TURN);
+            for (k, turn) in place.mounting.turns.column_iter().enumerate() {
+                known(&[(self.first_turn() + k, 1.0 / TURN)], -turned.dot(&turn.fixed_rows::<3>(0)) / TURN);
             }
         }
     }

@@ -17,12 +17,18 @@
 //! ```
 //!
 //! Weights are those of the readings: the solution does not depend on the misfit.
+//!
+//! A calibration in a word, by what its model leaves of the readings.
+//!
+//! The bounds are the tunnel's: speeds of a good one are known to 0.5 %, of an ordinary one to 2 %,
+//! and the convective power goes as the speed to the power of 0.3 to 0.4.
 
-use nalgebra::{Cholesky, DMatrix, DVector};
-
-use super::super::error::CalibrateError;
-use super::equations::{FIRST, FitPoint, FitStage, LAST, SurfaceEquations, SurfaceProblem};
 use diffusive::identify::nonnegative;
+use nalgebra::{Cholesky, DMatrix, DVector};
+use serde::Serialize;
+
+use super::super::steady_wind::CalibrateError;
+use super::equations::{FIRST, FitPoint, FitStage, LAST, SurfaceEquations, SurfaceProblem};
 
 const DAMPING: f64 = 1e-2;
 const MOST_STEPS: usize = 200;
@@ -52,6 +58,19 @@ pub struct SurfaceFit {
     pub covariance: DMatrix<f64>,
     /// Readings less what of the unknowns they determine.
     pub degrees_of_freedom: f64,
+}
+
+/// King's law as it was found.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct FittedKing {
+    /// m
+    pub exponent: f64,
+    /// Standard uncertainty of m; zero where it was given.
+    pub se_exponent: f64,
+    /// k, of wires.
+    pub yaw_factor: Option<f64>,
+    /// Standard uncertainty of k.
+    pub se_yaw_factor: Option<f64>,
 }
 
 /// Fits all unknowns.
@@ -170,4 +189,47 @@ fn covariance(problem: &SurfaceProblem<'_>, place: &FitPoint, at: &SurfaceEquati
         }
     }
     Some(covariance)
+}
+
+/// Misfit up to which a calibration is good: 0.5 % of speed.
+const GOOD: f64 = 2e-3;
+/// Misfit up to which it is fair: 2 to 3 % of speed.
+const FAIR: f64 = 1e-2;
+/// What to do about a poor one.
+pub const ADVICE: &str =
+    "check labels and frame of the winds, the order of the surfaces, and what stands in the stream";
+
+/// What a calibration is worth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum CalibrationGrade {
+    /// The misfit is less than what tunnels know of their speeds.
+    Good,
+    /// The misfit is that of an ordinary tunnel.
+    Fair,
+    /// No tunnel explains the misfit.
+    Poor,
+}
+
+impl CalibrationGrade {
+    /// Of a misfit over the convective power, rms.
+    pub fn of(misfit_rms: f64) -> Self {
+        match misfit_rms {
+            misfit if misfit <= GOOD => Self::Good,
+            misfit if misfit <= FAIR => Self::Fair,
+            _ => Self::Poor,
+        }
+    }
+
+    /// In a word and its meaning.
+    pub fn words(self) -> [&'static str; 2] {
+        match self {
+            Self::Good => ["good", "the misfit is less than 0.5 % of speed; standard uncertainties include it"],
+            Self::Fair => [
+                "fair",
+                "the misfit is up to 3 % of speed, as much as an ordinary tunnel's speeds are off; look at the worst wind",
+            ],
+            Self::Poor => ["poor", "the misfit is more than 3 % of speed"],
+        }
+    }
 }

@@ -12,17 +12,16 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | [`readings`] | input, checked |
-//! | [`speeds`], [`spread`] | whether the winds determine the unknowns, and which are missing |
-//! | [`spline`], [`family`] | amplitudes as functions of the Reynolds number, and their prior |
-//! | [`sought`], [`stream`] | rise of the warmed gas, and what is behind the stem |
+//! | [`readings`] | input, checked, in groups of speeds |
+//! | [`spread`] | whether the winds determine the unknowns, and which are missing |
+//! | [`family`] | amplitudes as functions of the Reynolds number, and their prior |
+//! | [`sought`] | rise of the warmed gas, and what is behind the stem |
 //! | [`choice`] | which convection the readings determine |
 //! | [`mounting`] | the turn between tunnel and head |
-//! | [`king`] | exponent and yaw factor of King's law |
-//! | [`equations`], [`fit`] | weighted least squares |
-//! | [`solve`] | all steps in order |
-//! | [`calibration`], [`grade`] | the result, with errors, as text, and as dr-core's configurations; what it is worth |
-//! | [`folds`], [`cross_validation`] | errors in winds that were left out, through dr-core's inverse |
+//! | [`equations`], [`mod@fit`] | weighted least squares, and what their result is worth |
+//! | [`mod@solve`] | all steps in order, with exponent and yaw factor of King's law |
+//! | [`calibration`] | the result, with errors, as text, and as dr-core's configurations |
+//! | [`cross_validation`] | errors in winds that were left out, through dr-core's inverse |
 //!
 //! *What no wind can tell.* A common factor of all gains is one of all amplitudes: the mean gain is
 //! one by definition. A common offset of G0 is, at one overheat in one gas, one of a_0: quiescent
@@ -46,14 +45,8 @@ pub mod cross_validation;
 pub mod equations;
 pub mod family;
 pub mod fit;
-pub mod folds;
-pub mod grade;
-pub mod king;
 pub mod mounting;
 pub mod readings;
 pub mod solve;
 pub mod sought;
-pub mod speeds;
-pub mod spline;
 pub mod spread;
-pub mod stream;

@@ -14,15 +14,19 @@
 //!
 //! Readings that cannot be meant are refused here by the label of their wind; whether the winds are
 //! well spread is for [`spread`](super::spread).
+//!
+//! Winds are sorted into groups of one speed each, and have the stream that a sphere meets in them.
 
-use dr_core::wind::{HeadForm, NusseltSurface, SurfaceConfig};
+use dr_core::wind::free_stream::STEM_CHORD;
+use dr_core::wind::{FreeStream, HeadForm, NusseltSurface, SurfaceConfig};
+use recording::text::{count, tidy};
 
-use super::super::error::CalibrateError;
-use super::super::steady_wind::{SteadyWind, SurfaceReading};
+use super::super::cross_validation::ReynoldsRange;
+use super::super::steady_wind::{CalibrateError, SteadyWind, SurfaceReading};
 use super::family::seen_orders;
 use super::sought::SoughtConvection;
+
 use crate::vector::{across, cross, dot, length};
-use recording::text::{count, tidy};
 
 /// Reynolds numbers that a calibration takes; those of dr-core's amplitudes are wider.
 const REYNOLDS: std::ops::RangeInclusive<f64> = 1e-2..=1e5;
@@ -245,4 +249,73 @@ fn fault(surface: &str, reading: &SurfaceReading) -> Option<String> {
     .into_iter()
     .find(|(_, value, least, _)| !(least..=&f64::MAX).contains(&value))
     .map(|(key, value, _, must_be)| format!("{surface}: `{key}` is {value}; it must be {must_be}"))
+}
+
+/// Winds within this ratio have one speed: what a tunnel scatters, not what somebody has set.
+const SAME: f64 = 1.15;
+const OCTAVE: f64 = 2.0;
+
+/// Winds that are not still, slowest first.
+pub fn ascending(winds: &[CheckedWind]) -> Vec<&CheckedWind> {
+    let mut moving: Vec<&CheckedWind> = winds.iter().filter(|wind| !wind.is_quiescent()).collect();
+    moving.sort_by(|a, b| a.reynolds.total_cmp(&b.reynolds));
+    moving
+}
+
+/// The speeds that were set: winds of one speed each, slowest first. What is given ascends.
+pub fn distinct<'a>(ascending: &[&'a CheckedWind]) -> Vec<Vec<&'a CheckedWind>> {
+    let mut groups: Vec<Vec<&CheckedWind>> = Vec::new();
+    for wind in ascending {
+        match groups.last_mut() {
+            Some(group) if wind.reynolds <= SAME * group[0].reynolds => group.push(wind),
+            _ => groups.push(vec![wind]),
+        }
+    }
+    groups
+}
+
+/// The range of these winds (ascending, not empty) in like surfaces of an octave at most, if
+/// `most_octaves` is 1.
+pub fn classes(ascending: &[&CheckedWind], most_octaves: f64) -> Vec<ReynoldsRange> {
+    let (first, last) = (ascending[0], ascending[ascending.len() - 1]);
+    let octaves = (last.reynolds / first.reynolds).ln() / OCTAVE.ln();
+    // A little more than a whole number of octaves is that number.
+    let count = (octaves / most_octaves - 0.1).ceil().max(1.0);
+    let speed_per_reynolds = |reynolds: f64| {
+        // By the wind next to it: pressures may differ between runs.
+        let near = |wind: &&&CheckedWind| (wind.reynolds / reynolds).ln().abs();
+        let nearest = ascending.iter().min_by(|a, b| near(a).total_cmp(&near(b)));
+        nearest.map_or(f64::NAN, |wind| wind.speed_m_s / wind.reynolds)
+    };
+    let edge = |j: f64| first.reynolds * (last.reynolds / first.reynolds).powf(j / count);
+    (0..count as usize)
+        .map(|j| {
+            let (mut from, mut to) = (edge(j as f64), edge(j as f64 + 1.0));
+            let speed_m_s = [from, to].map(|r| r * speed_per_reynolds(r));
+            if j == 0 {
+                from *= 1.0 - 1e-9;
+            }
+            if j + 1 == count as usize {
+                to *= 1.0 + 1e-9;
+            }
+            ReynoldsRange { reynolds: [from, to], speed_m_s }
+        })
+        .collect()
+}
+
+/// The stream that a head meets in a wind, m/s in the tunnel's frame.
+pub fn met_m_s(stream: &FreeStream, wind: &CheckedWind) -> [f64; 3] {
+    let v = wind.towards.map(|x| (x * wind.speed_m_s) as f32);
+    let rise = stream.rise_speed_m_s(wind.overheat_k as f32, wind.gas_k as f32, wind.diameter_m as f32);
+    stream.met(v, rise).map(f64::from)
+}
+
+/// Chord between a direction from which a wind comes and the stem.
+pub fn chord(towards: [f64; 3], axis: [f64; 3]) -> f64 {
+    (2.0 + 2.0 * dot(towards, axis)).max(0.0).sqrt()
+}
+
+/// Whether a wind comes from where a stem may matter.
+pub fn is_behind(wind: &CheckedWind, axis: [f64; 3]) -> bool {
+    !wind.is_quiescent() && chord(wind.towards, axis) < f64::from(STEM_CHORD)
 }

@@ -28,11 +28,11 @@ use dr_core::wind::HeadForm;
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 use recording::text::count;
 
-use super::super::compared::{ReynoldsRange, digits};
+use super::super::cross_validation::{ReynoldsRange, digits};
+
+use super::family::LEAST_COUNT;
 use super::mounting::Mounting;
-use super::readings::{CheckedWind, SurfaceGeometry};
-use super::speeds::{ascending, classes, distinct};
-use super::spline;
+use super::readings::{CheckedWind, SurfaceGeometry, ascending, classes, distinct};
 
 const LEAST_RANGE: f64 = 2.0;
 /// A ratio of neighbouring speeds: an octave, and what a tunnel misses it by.
@@ -98,18 +98,15 @@ fn joined(classes: Vec<(ReynoldsRange, Vec<String>)>) -> Vec<String> {
 
 fn few(head: &SurfaceGeometry<'_>, winds: &[CheckedWind]) -> Vec<String> {
     let n = head.surfaces.len();
-    let unknowns = spline::LEAST_COUNT * head.orders.len() + 2 * n - 1
-        + Mounting::drawn(head.form(), &head.surfaces).turns.ncols();
+    let unknowns =
+        LEAST_COUNT * head.orders.len() + 2 * n - 1 + Mounting::drawn(head.form(), &head.surfaces).turns.ncols();
     if n * winds.len() >= unknowns {
         return Vec::new();
     }
-    vec![format!(
-        "{} of {}: {}, fewer than the {unknowns} unknowns; it takes at least {} more",
-        count(winds.len(), "wind"),
-        count(n, "surface"),
-        count(n * winds.len(), "reading"),
-        count(unknowns.div_ceil(n) - winds.len(), "wind")
-    )]
+    let (given, surfaces) = (count(winds.len(), "wind"), count(n, "surface"));
+    let (readings, more) = (count(n * winds.len(), "reading"), count(unknowns.div_ceil(n) - winds.len(), "wind"));
+    let few = format!("{given} of {surfaces}: {readings}, fewer than the {unknowns} unknowns");
+    vec![format!("{few}; it takes at least {more} more")]
 }
 
 /// Winds in a plane are no loss to a head whose axes span more.
@@ -121,13 +118,8 @@ fn speeds(moving: &[&CheckedWind]) -> Vec<String> {
     let groups = distinct(moving);
     let (first, last) = (moving[0], moving[moving.len() - 1]);
     if last.reynolds < LEAST_RANGE * first.reynolds * (1.0 - 1e-6) {
-        return vec![format!(
-            "all winds have about one speed, {} to {} m/s (Re {:.0} to {:.0}): winds of at least twice the least are missing",
-            digits(first.speed_m_s),
-            digits(last.speed_m_s),
-            first.reynolds,
-            last.reynolds
-        )];
+        let range = speeds_of(first, last, "to");
+        return vec![format!("all winds have about one speed, {range}: winds of at least twice the least are missing")];
     }
     let edges = groups.iter().filter_map(|group| Some((group.first()?, group.last()?)));
     edges
@@ -138,16 +130,16 @@ fn speeds(moving: &[&CheckedWind]) -> Vec<String> {
             let count = ((above.reynolds / below.reynolds).ln() / WIDEST_STEP.ln()).ceil();
             let ratio = (above.speed_m_s / below.speed_m_s).powf(1.0 / count);
             let between: Vec<String> = (1..count as i32).map(|j| digits(below.speed_m_s * ratio.powi(j))).collect();
-            format!(
-                "no wind between {} and {} m/s (Re {:.0} to {:.0}): winds at about {} m/s are missing",
-                digits(below.speed_m_s),
-                digits(above.speed_m_s),
-                below.reynolds,
-                above.reynolds,
-                between.join(", ")
-            )
+            let (range, between) = (speeds_of(below, above, "and"), between.join(", "));
+            format!("no wind between {range}: winds at about {between} m/s are missing")
         })
         .collect()
+}
+
+/// Speeds of two winds, in words.
+fn speeds_of(least: &CheckedWind, most: &CheckedWind, to: &str) -> String {
+    let (least_m_s, most_m_s) = (digits(least.speed_m_s), digits(most.speed_m_s));
+    format!("{least_m_s} {to} {most_m_s} m/s (Re {:.0} to {:.0})", least.reynolds, most.reynolds)
 }
 
 fn plane(moving: &[&CheckedWind]) -> Option<String> {
@@ -262,12 +254,9 @@ fn some_surface(head: &SurfaceGeometry<'_>, moving: &[&CheckedWind], class: &Rey
     }
     all.sort_by(f64::total_cmp);
     for pair in all.windows(2).filter(|pair| pair[1] - pair[0] > WIDEST_ANGLE) {
-        sentences.push(format!(
-            "at {SPEEDS} no surface was between {:.0}° and {:.0}° from the wind's front: winds at {:.0}° to the axis of a surface are missing",
-            pair[0],
-            pair[1],
-            0.5 * (pair[0] + pair[1])
-        ));
+        let (from, to, middle) = (pair[0], pair[1], 0.5 * (pair[0] + pair[1]));
+        let empty = format!("at {SPEEDS} no surface was between {from:.0}° and {to:.0}° from the wind's front");
+        sentences.push(format!("{empty}: winds at {middle:.0}° to the axis of a surface are missing"));
     }
     sentences
 }
@@ -285,11 +274,9 @@ fn every_surface(head: &SurfaceGeometry<'_>, moving: &[&CheckedWind], class: &Re
             ("rear", "go to", own.iter().any(|angle| *angle >= 180.0 - EVERY_SURFACE)),
         ] {
             if !reached {
-                sentences.push(format!(
-                    "{} was never within {EVERY_SURFACE:.0}° of the wind's {side} at {SPEEDS}: winds that {way} about {} are missing",
-                    drawn.name,
-                    vector(axis)
-                ));
+                let (name, axis) = (&drawn.name, vector(axis));
+                let never = format!("{name} was never within {EVERY_SURFACE:.0}° of the wind's {side} at {SPEEDS}");
+                sentences.push(format!("{never}: winds that {way} about {axis} are missing"));
             }
         }
     }

@@ -1,16 +1,17 @@
-//! A body with every name resolved and every number found possible. Refusals name the key and line
-//! of the head file.
+//! A body with every name resolved and every number found possible, those included that nobody has
+//! published. Refusals name the key and line of the head file.
 
 use std::collections::VecDeque;
 
-use super::parts::{BodyLink, BodyNode, BodySurface, Convection, UnknownNumber};
-use super::reader::BodyReader;
-use super::table::{BodyGas, BodyTable, Tolerances};
-use super::unknown;
-use super::ways::{neighbours, ways};
-use crate::gas::{IdealGas, ZERO_CELSIUS_K};
-use crate::head::element::HeadElement;
 use recording::toml_file::{FileError, TomlSource};
+use toml::Value;
+
+use super::super::element::HeadElement;
+use super::parts::{BodyLink, BodyNode, BodySurface, Convection, neighbours, ways};
+use super::reader::BodyReader;
+use super::table::{BodyGas, BodyTable, Tolerances, UnknownNumber};
+
+use crate::gas::{IdealGas, ZERO_CELSIUS_K};
 
 /// A standard deviation, %.
 const MOST_PERCENT: f64 = 30.0;
@@ -44,10 +45,8 @@ impl Body {
         body.add_nodes(table)?;
         let links = body.links(&table.links)?;
         let nodes_of = body.elements(&table.elements)?;
-        let mut convection = Vec::new();
-        for (i, group) in table.convection.iter().enumerate() {
-            convection.push(body.convection(&format!("body.convection[{i}]"), group, &nodes_of, &links)?);
-        }
+        let group = |(i, group)| body.convection(&format!("body.convection[{i}]"), group, &nodes_of, &links);
+        let convection = table.convection.iter().enumerate().map(group).collect::<Result<_, _>>()?;
         let checked = Self {
             nodes: body.nodes,
             links,
@@ -55,7 +54,7 @@ impl Body {
             convection,
             gas: table.gas,
             tolerances: table.tolerances,
-            unknown: unknown::found(source, &table.unknown)?,
+            unknown: unknown_numbers(source, table.unknown.clone())?,
         };
         checked.check(source)?;
         Ok(checked)
@@ -122,4 +121,36 @@ impl Body {
         }
         open.iter().position(|open| !open)
     }
+}
+
+/// Every entry with the value that the file has.
+///
+/// # Errors
+/// If nothing or no number stands there, or it is beyond its range.
+fn unknown_numbers(source: &TomlSource, mut all: Vec<UnknownNumber>) -> Result<Vec<UnknownNumber>, FileError> {
+    let mut document: Value = source.parse()?;
+    for (i, UnknownNumber { of, value, least, most }) in all.iter_mut().enumerate() {
+        let key = format!("body.unknown[{i}]");
+        let stands =
+            place(&mut document, of).and_then(|stands| stands.as_float().or(stands.as_integer().map(|n| n as f64)));
+        *value = stands.ok_or_else(|| source.refuse(&key, format!("names `{of}`, where no number stands")))?;
+        if !(*least > 0.0 && most.is_finite() && least < most && (*least..=*most).contains(value)) {
+            let sentence = format!("has `{of}` between {least} and {most}: above 0, and around its {value}");
+            return Err(source.refuse(&key, sentence));
+        }
+    }
+    Ok(all)
+}
+
+/// What stands at a dotted key, with `[n]` for the n-th of an array.
+pub fn place<'a>(document: &'a mut Value, of: &str) -> Option<&'a mut Value> {
+    let mut value = document;
+    for step in of.split('.') {
+        let (name, indices) = step.split_at(step.find('[').unwrap_or(step.len()));
+        value = value.get_mut(name)?;
+        for index in indices.split(['[', ']']).filter(|index| !index.is_empty()) {
+            value = value.get_mut(index.parse::<usize>().ok()?)?;
+        }
+    }
+    Some(value)
 }

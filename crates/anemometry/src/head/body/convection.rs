@@ -1,14 +1,14 @@
 //! What the wind sees of a body, read from its table: laws with possible sizes, surfaces with the
 //! normals that a law needs.
 
-use super::correlation::Correlation;
-use super::parts::{BodyLink, BodySurface, Convection};
-use super::reader::{BodyReader, GREATEST, LEAST, LONGEST_M};
-use super::table::{BodySurfaceTable, ConvectionTable};
-use super::ways::way;
-use crate::head::element::direction;
-use crate::vector::{cross, length, unit};
 use recording::toml_file::FileError;
+
+use super::super::element::direction;
+use super::parts::{BodyLink, BodySurface, Convection, way};
+use super::reader::{BodyReader, GREATEST, LEAST, LONGEST_M};
+use super::table::{BodySurfaceTable, ConvectionTable, Correlation};
+
+use crate::vector::{cross, length, unit};
 
 impl BodyReader<'_> {
     pub fn convection(
@@ -90,7 +90,7 @@ impl BodyReader<'_> {
                 None => self.heads.iter().position(|element| element.name == *name),
             };
             let normal = match table.normal {
-                Some(normal) => Some(self.direction(&at("normal"), normal)?),
+                Some(normal) => Some(direction(self.source, &at("normal"), normal)?),
                 None => element.and_then(|element| self.heads[element].normal),
             };
             let carries = element.map_or(Vec::new(), |element| way(links, node, nodes_of[element]));
@@ -108,50 +108,46 @@ impl BodyReader<'_> {
         Ok(())
     }
 
-    fn direction(&self, key: &str, vector: [f64; 3]) -> Result<[f64; 3], FileError> {
-        direction(self.source, key, vector)
-    }
-
     fn correlation(&self, key: &str, of: &Correlation) -> Result<(), FileError> {
         let at = |name: &str| format!("{key}.correlation.{name}");
-        let size = |name: &str, value: f64| self.positive(&at(name), value, LONGEST_M, "m").map(|_| ());
-        let share = |name: &str, value: f64| self.source.within(&at(name), value, 0.0..=1.0, "").map(|_| ());
-        let gravity = |value: Option<f64>| match value {
-            Some(value) => self.positive(&at("gravity_m_s2"), value, 1e3, "m/s²").map(|_| ()),
-            None => Ok(()),
+        let positive =
+            |name: &str, value: f64, most: f64, unit: &str| self.positive(&at(name), value, most, unit).map(drop);
+        let sizes =
+            |sizes: &[(&str, f64)]| sizes.iter().try_for_each(|(name, size_m)| positive(name, *size_m, LONGEST_M, "m"));
+        let within = |name: &str, value: f64, [least, most]: [f64; 2]| {
+            self.source.within(&at(name), value, least..=most, "").map(drop)
         };
+        let yaw = |axis: Option<[f64; 3]>, factor: f64| {
+            axis.map(|axis| direction(self.source, &at("axis"), axis)).transpose()?;
+            within("yaw_factor", factor, [0.0, 1.0])
+        };
+        let gravity = |m_s2: Option<f64>| m_s2.map_or(Ok(()), |m_s2| positive("gravity_m_s2", m_s2, 1e3, "m/s²"));
         match of {
-            Correlation::Sphere { diameter_m } => size("diameter_m", *diameter_m),
+            Correlation::Sphere { diameter_m } => sizes(&[("diameter_m", *diameter_m)]),
             Correlation::Cylinder(of) => {
-                size("diameter_m", of.diameter_m)?;
-                size("length_m", of.length_m)?;
-                self.direction(&at("axis"), of.axis)?;
-                share("yaw_factor", of.yaw_factor)?;
+                sizes(&[("diameter_m", of.diameter_m), ("length_m", of.length_m)])?;
+                yaw(Some(of.axis), of.yaw_factor)?;
                 gravity(of.gravity_m_s2)
             }
             Correlation::Plate(of) => {
-                size("length_m", of.length_m)?;
-                size("width_m", of.width_m)?;
-                self.source.within(&at("faces"), f64::from(of.faces), 1.0..=2.0, "")?;
+                sizes(&[("length_m", of.length_m), ("width_m", of.width_m)])?;
+                within("faces", f64::from(of.faces), [1.0, 2.0])?;
                 gravity(of.gravity_m_s2)
             }
             Correlation::Wire(of) => {
-                size("diameter_m", of.diameter_m)?;
-                size("length_m", of.length_m)?;
-                self.direction(&at("axis"), of.axis)?;
-                share("yaw_factor", of.yaw_factor)
+                sizes(&[("diameter_m", of.diameter_m), ("length_m", of.length_m)])?;
+                yaw(Some(of.axis), of.yaw_factor)
             }
             Correlation::King(of) => {
-                self.positive(&at("a_w_k"), of.a_w_k, GREATEST, "W/K")?;
-                self.positive(&at("b_w_k"), of.b_w_k, GREATEST, "W/K")?;
-                self.source.within(&at("exponent"), of.exponent, 0.1..=1.0, "")?;
-                of.axis.map(|axis| self.direction(&at("axis"), axis)).transpose()?;
-                share("yaw_factor", of.yaw_factor)
+                positive("a_w_k", of.a_w_k, GREATEST, "W/K")?;
+                positive("b_w_k", of.b_w_k, GREATEST, "W/K")?;
+                within("exponent", of.exponent, [0.1, 1.0])?;
+                yaw(of.axis, of.yaw_factor)
             }
             Correlation::Table(of) => {
-                size("length_m", of.length_m)?;
-                self.positive(&at("area_m2"), of.area_m2, LONGEST_M * LONGEST_M, "m²")?;
-                self.positive(&at("nusselt_at_rest"), of.nusselt_at_rest, GREATEST, "")?;
+                sizes(&[("length_m", of.length_m)])?;
+                positive("area_m2", of.area_m2, LONGEST_M * LONGEST_M, "m²")?;
+                positive("nusselt_at_rest", of.nusselt_at_rest, GREATEST, "")?;
                 self.ascending(&at("reynolds"), &of.reynolds, LEAST..=1e9, 2)?;
                 self.ascending(&at("angles_deg"), &of.angles_deg, 0.0..=180.0, 1)?;
                 let (rows, columns) = (of.reynolds.len(), of.angles_deg.len());
@@ -159,11 +155,10 @@ impl BodyReader<'_> {
                     let sentence = format!("has not {rows} rows of {columns} numbers, one for every angle");
                     return Err(self.source.refuse(&at("nusselt"), sentence));
                 }
-                let mut all = of.nusselt.iter().flatten();
-                all.try_for_each(|&nusselt| self.positive(&at("nusselt"), nusselt, GREATEST, "").map(|_| ()))
+                of.nusselt.iter().flatten().try_for_each(|&nusselt| positive("nusselt", nusselt, GREATEST, ""))
             }
             Correlation::Boom(shape) => {
-                for (name, value) in [
+                sizes(&[
                     ("die_side_m", shape.die_side_m),
                     ("die_thickness_m", shape.die_thickness_m),
                     ("card_length_m", shape.card_length_m),
@@ -172,12 +167,10 @@ impl BodyReader<'_> {
                     ("head_length_m", shape.head_length_m),
                     ("shank_diameter_m", shape.shank_diameter_m),
                     ("shank_length_m", shape.shank_length_m),
-                ] {
-                    size(name, value)?;
-                }
-                share("shade", shape.shade)?;
+                ])?;
+                within("shade", shape.shade, [0.0, 1.0])?;
                 // A die in the corner has twice that less, which must leave some cooling.
-                self.source.within(&at("front_to_rear"), shape.front_to_rear, 0.0..=0.49, "").map(|_| ())
+                within("front_to_rear", shape.front_to_rear, [0.0, 0.49])
             }
         }
     }

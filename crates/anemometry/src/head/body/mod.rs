@@ -21,28 +21,22 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | [`table`] | the table as it is written |
-//! | [`correlation`] | what the wind takes, by name |
-//! | [`names`] | names that stand for several |
+//! | [`table`] | the table as it is written, with the laws that the wind takes |
 //! | [`parts`] | what it consists of: nodes, links, surfaces by number |
 //! | [`checked`] | the same with every name resolved and every number found possible |
-//! | [`unknown`] | numbers that nobody has published |
 //! | `reader`, `convection` | how it is read: nodes, links and elements; laws and surfaces |
-//! | `ways` | which nodes links join |
 
 pub mod checked;
 mod convection;
-pub mod correlation;
-pub mod names;
 pub mod parts;
 mod reader;
 pub mod table;
-pub mod unknown;
-mod ways;
 
 pub use checked::Body;
-pub use correlation::{BoomShape, Correlation, CylinderShape, KingLaw, NusseltGrid, PlateShape, WireLaw, WireShape};
-pub use parts::{BodyElement, BodyLink, BodyNode, BodySurface, Convection, UnknownNumber};
+pub use parts::{BodyElement, BodyLink, BodyNode, BodySurface, Convection};
+pub use table::{
+    BoomShape, Correlation, CylinderShape, KingLaw, NusseltGrid, PlateShape, UnknownNumber, WireLaw, WireShape,
+};
 
 #[cfg(test)]
 mod tests;

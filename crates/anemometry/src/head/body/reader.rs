@@ -1,13 +1,16 @@
 //! Nodes, links and elements of a body, read from its table with every name resolved.
+//!
+//! Names may stand for several: `card[1-3]-die[1-4]` are twelve, the last number running fastest,
+//! and `core1,core2` are two.
 
 use std::collections::BTreeMap;
 
-use super::names;
-use super::parts::{BodyLink, BodyNode};
-use super::table::{BodyTable, LinkTable};
-use crate::head::element::HeadElement;
 use recording::text::suggest;
 use recording::toml_file::{FileError, TomlSource};
+
+use super::super::element::HeadElement;
+use super::parts::{BodyLink, BodyNode};
+use super::table::{BodyTable, LinkTable};
 
 /// The fixed temperature that links may lead to.
 const SUPPORT: &str = "support";
@@ -42,7 +45,7 @@ impl<'a> BodyReader<'a> {
     }
 
     pub fn all(&self, key: &str, pattern: &str) -> Result<Vec<String>, FileError> {
-        names::all(pattern).map_err(|error| self.source.refuse(key, error.to_string()))
+        expanded(pattern).map_err(|error| self.source.refuse(key, error.to_string()))
     }
 
     pub fn positive(&self, key: &str, value: f64, most: f64, unit: &str) -> Result<f64, FileError> {
@@ -110,9 +113,8 @@ impl<'a> BodyReader<'a> {
 
     pub fn links(&self, tables: &[LinkTable]) -> Result<Vec<BodyLink>, FileError> {
         let mut links = Vec::new();
-        for (i, table) in tables.iter().enumerate() {
-            self.link(&format!("body.links[{i}]"), table, &mut links)?;
-        }
+        let mut each = tables.iter().enumerate();
+        each.try_for_each(|(i, table)| self.link(&format!("body.links[{i}]"), table, &mut links))?;
         Ok(links)
     }
 
@@ -156,10 +158,11 @@ impl<'a> BodyReader<'a> {
                     (_, 1) => Ok(from.into_iter().map(|from| (from, to[0])).collect()),
                     (1, _) => Ok(to.into_iter().map(|to| (from[0], to)).collect()),
                     (some, others) if some == others => Ok(from.into_iter().zip(to).collect()),
-                    (some, others) => Err(self.source.refuse(
-                        key,
-                        format!("joins {some} nodes with {others}: as many as there are, or each with one"),
-                    )),
+                    (some, others) => {
+                        let sentence =
+                            format!("joins {some} nodes with {others}: as many as there are, or each with one");
+                        Err(self.source.refuse(key, sentence))
+                    }
                 }
             }
             (None, None, Some(among)) => {
@@ -217,11 +220,8 @@ impl<'a> BodyReader<'a> {
         for element in self.heads {
             let node = nodes.get(&element.name).or_else(|| self.numbers.get(&element.name)).copied();
             let node = node.ok_or_else(|| {
-                let sentence = format!(
-                    "has no node for the element `{}`: name one so, or write `{} = \"…\"` under [body.elements]",
-                    element.name, element.name
-                );
-                self.source.refuse("body", sentence)
+                let hint = format!("name one so, or write `{} = \"…\"` under [body.elements]", element.name);
+                self.source.refuse("body", format!("has no node for the element `{}`: {hint}", element.name))
             })?;
             if let Some(place) = all.iter().position(|other| *other == node) {
                 let (one, other) = (&element.name, &self.heads[place].name);
@@ -238,5 +238,83 @@ impl<'a> BodyReader<'a> {
             let hint = suggest(name, self.heads.iter().map(|element| element.name.as_str()));
             self.source.refuse(key, format!("names `{name}`, which is no element of the head; {hint}"))
         })
+    }
+}
+
+/// More names than a body can use.
+const MOST_NAMES: usize = 4096;
+
+/// Why a pattern stands for nothing: the rest of a sentence about its key.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum NamesError {
+    /// It is no word.
+    #[error("has the name {0:?}: a word without brackets, `:` and quotation marks belongs here")]
+    Word(String),
+    /// There are too many.
+    #[error("stands for more than {MOST_NAMES} names")]
+    TooMany,
+    /// What stands in brackets.
+    #[error("has `[{0}`, which is no range: write `[1-4]` for the numbers 1 to 4")]
+    Range(String),
+}
+
+/// All that a pattern stands for, in order.
+///
+/// # Errors
+/// If a part of it is no word or no range, or stands for too many.
+fn expanded(pattern: &str) -> Result<Vec<String>, NamesError> {
+    let mut names = Vec::new();
+    pattern.split(',').try_for_each(|part| expand(part.trim(), String::new(), &mut names))?;
+    Ok(names)
+}
+
+fn expand(rest: &str, before: String, names: &mut Vec<String>) -> Result<(), NamesError> {
+    let Some((plain, behind)) = rest.split_once('[') else {
+        let name = before + rest;
+        if name.is_empty() || name.contains(|c: char| c.is_whitespace() || "[]:\"".contains(c)) {
+            return Err(NamesError::Word(name));
+        }
+        if names.len() == MOST_NAMES {
+            return Err(NamesError::TooMany);
+        }
+        names.push(name);
+        return Ok(());
+    };
+    let range = behind.split_once(']').and_then(|(range, behind)| {
+        let (first, last) = range.split_once('-')?;
+        Some((first.parse::<u16>().ok()?, last.parse::<u16>().ok()?, behind))
+    });
+    match range {
+        Some((first, last, behind)) if first <= last => {
+            (first..=last).try_for_each(|number| expand(behind, format!("{before}{plain}{number}"), names))
+        }
+        _ => Err(NamesError::Range(behind.to_owned())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_run_like_the_digits_of_a_number() {
+        assert_eq!(expanded("a[1-2]-b[3-4]").unwrap(), ["a1-b3", "a1-b4", "a2-b3", "a2-b4"]);
+        assert_eq!(expanded("core1, core2,x[9-10]y").unwrap(), ["core1", "core2", "x9y", "x10y"]);
+    }
+
+    #[test]
+    fn what_is_no_range_is_refused() {
+        for (pattern, expected) in [
+            ("a[4-1]", "has `[4-1]`, which is no range"),
+            ("a[1", "has `[1`, which is no range"),
+            ("a[x-y]", "is no range"),
+            ("a]", "has the name \"a]\""),
+            ("a,,b", "has the name \"\""),
+            ("", "has the name \"\""),
+            ("a[0-9][0-9][0-9][0-9]", "stands for more than 4096 names"),
+        ] {
+            let sentence = expanded(pattern).unwrap_err().to_string();
+            assert!(sentence.contains(expected), "{pattern}: {sentence}");
+        }
     }
 }

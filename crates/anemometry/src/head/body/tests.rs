@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use super::{Body, BodyLink};
 use crate::head::Head;
+use crate::head::body::Body;
+use crate::head::body::BodyLink;
 use recording::toml_file::TomlSource;
 
 fn source(name: &str) -> TomlSource {

@@ -1,12 +1,13 @@
 //! A checked calibration, in f64.
 
 use dr_core::wind::HeadForm;
-
-use super::table::CalibrationTable;
-use crate::head::element::HeadElement;
-use crate::network::parameters::QuiescentNetwork;
 use recording::text::suggest;
 use recording::toml_file::{FileError, TomlSource};
+
+use super::super::element::HeadElement;
+use super::table::CalibrationTable;
+
+use crate::network::parameters::QuiescentNetwork;
 
 /// A checked calibration, in f64.
 #[derive(Debug, Clone, PartialEq)]

@@ -9,15 +9,16 @@ use std::ops::RangeInclusive;
 use dr_core::model::ORDER;
 use dr_core::model::convection_observer::config::CROSS_ORDER;
 use dr_core::wind::card_inverse::DICE;
+use dr_core::wind::sphere::SECTORS;
 use dr_core::wind::{ConvectionSettings, HeadForm, Nusselt, NusseltSurface};
-
-use super::checked::Calibration;
-use super::conditions::CalibrationConditions;
-use super::table::{CalibrationTable, ConvectionModelTable, UncertaintyTable};
-use crate::gas::{TEMPERATURE_RANGE_K, ZERO_CELSIUS_K};
-use crate::head::element::HeadElement;
 use recording::toml_file::{FileError, TomlSource};
 use recording::utc;
+
+use super::super::element::HeadElement;
+use super::checked::Calibration;
+use super::table::{CalibrationConditions, CalibrationTable, ConvectionModelTable, UncertaintyTable};
+
+use crate::gas::{TEMPERATURE_RANGE_K, ZERO_CELSIUS_K};
 
 /// Temperatures of a gas whose properties are known, °C.
 pub(super) const GAS_C: std::ops::RangeInclusive<f64> =
@@ -198,6 +199,36 @@ impl Calibration {
         let taken = ConvectionSettings::new(&convection.config());
         let taken = taken.and_then(|taken| made.rest_at(taken.nusselt_at_rest));
         taken.map_err(|error| source.refuse("calibration.convection", format!("cannot be used: {error}")))
+    }
+
+    /// Whether the corrections are of this calibration's four surfaces, and can be.
+    fn check_correction(&self, source: &TomlSource) -> Result<(), FileError> {
+        let Some(correction) = &self.table.correction else { return Ok(()) };
+        if self.table.surfaces.len() != SECTORS || self.table.card.is_some() {
+            let sentence = "belongs to heads of four surfaces round a body: this one has another form";
+            return Err(source.refuse("calibration.correction", sentence));
+        }
+        let names = |of: &[String]| format!("`{}`", of.join("`, `"));
+        let own: Vec<String> = self.table.surfaces.iter().map(|of| of.element.clone()).collect();
+        let its: Vec<String> = correction.surfaces.iter().map(|of| of.element.clone()).collect();
+        if own != its {
+            let sentence = format!("must have the calibration's surfaces in its order, {}", names(&own));
+            return Err(source.refuse("calibration.correction", sentence));
+        }
+        for (i, of) in correction.surfaces.iter().enumerate() {
+            let key = format!("calibration.correction.surfaces[{i}]");
+            for (name, number, least, most, unit) in [
+                ("offset_w", of.offset_w, -1.0, 1.0, "W"),
+                ("offset_u_w", of.offset_u_w, 0.0, 1.0, "W"),
+                ("gain_change", of.gain_change, -0.9, 9.0, ""),
+                ("gain_change_u", of.gain_change_u, 0.0, 9.0, ""),
+            ] {
+                source.within(&format!("{key}.{name}"), number, least..=most, unit)?;
+            }
+            let board = of.config().checked();
+            board.map(drop).map_err(|error| source.refuse(&key, format!("cannot be used: {error}")))?;
+        }
+        Ok(())
     }
 
     fn knows(&self, element: usize) -> bool {

@@ -1,13 +1,16 @@
-//! A calibration as commands of the board's anemometer.
+//! A calibration as commands of the board's anemometer, for a bandwidth and an interval of wind
+//! estimates; the set-up of an anemometer with them. Refusals name the key and line of the head file.
 
-use dr_core::wind::{HeadForm, HeadSurface, WindCommand, WindOutputConfig};
+use dr_core::control::MOST_ELEMENTS;
+use dr_core::wind::{Anemometer, HeadForm, HeadSurface, WindCommand, WindOutputConfig};
+use recording::toml_file::FileError;
 
+use super::super::file::{Head, WindSetupError};
 use super::checked::Calibration;
 use super::checks::GAS_C;
 use super::table::PropertyTemperature;
+
 use crate::gas_law::gas_law;
-use crate::head::error::WindSetupError;
-use crate::head::output::WindOutput;
 use crate::network::observer::NetworkObserver;
 
 /// The gas is known so far on either side of the reference, K: further than any place on Mars goes
@@ -92,5 +95,79 @@ impl Calibration {
             smoothing_s: [REFERENCE_SMOOTHING_S, 0.5 / std::f64::consts::PI / output.bandwidth_hz].map(|s| s as f32),
             reference_gas_c: self.table.reference_gas_c as f32,
         })
+    }
+}
+
+/// Bandwidth and interval of the wind estimates of a calibrated head.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WindOutput {
+    /// −3 dB of the convective powers, Hz.
+    pub bandwidth_hz: f64,
+    /// Time between two estimates, s.
+    pub interval_s: f64,
+    /// Whether the bandwidth stays, whatever the wind does; else it rises for a while after a jump.
+    pub fixed: bool,
+}
+
+impl WindOutput {
+    /// Bandwidth of who requests none, Hz.
+    pub const DEFAULT_BANDWIDTH_HZ: f64 = 2.0;
+    /// Bandwidths that may be requested, Hz.
+    pub const BANDWIDTHS_HZ: std::ops::RangeInclusive<f64> = 0.5..=50.0;
+    const DEFAULT_INTERVAL_S: f64 = 0.01;
+
+    /// Defaults stand for numbers that are not requested: as fast as the loops, and smooth.
+    pub fn new(bandwidth_hz: Option<f64>, interval_s: Option<f64>, fixed: bool, sample_period_s: f64) -> Self {
+        Self {
+            bandwidth_hz: bandwidth_hz.unwrap_or(Self::DEFAULT_BANDWIDTH_HZ),
+            interval_s: interval_s.unwrap_or(Self::DEFAULT_INTERVAL_S.max(sample_period_s)),
+            fixed,
+        }
+    }
+}
+
+impl Head {
+    /// Sends `commands` of this head's calibration to an anemometer.
+    ///
+    /// # Errors
+    /// The first command that is refused, with the table of the head's file that it comes from.
+    pub fn set_up(
+        &self,
+        anemometer: &mut Anemometer<MOST_ELEMENTS>,
+        commands: &[WindCommand],
+        sample_period_s: f64,
+    ) -> Result<(), FileError> {
+        let mut crosses = 0;
+        for command in commands {
+            anemometer.handle(command, sample_period_s as f32).map_err(|error| {
+                self.source.refuse(&self.table_of(command, crosses), format!("cannot be used: {error}"))
+            })?;
+            crosses += usize::from(matches!(command, WindCommand::CrossHeating(_)));
+        }
+        Ok(())
+    }
+
+    /// The table with a command's numbers; `crosses` counts the pairs before it.
+    fn table_of(&self, command: &WindCommand, crosses: usize) -> String {
+        let own = |element: u8| {
+            let known = self.calibration.as_ref().map_or(&[][..], |calibration| &calibration.network.own);
+            match known.iter().position(|own| own.element == usize::from(element)) {
+                Some(place) => format!("calibration.self_heating[{place}]"),
+                None => "calibration".to_owned(),
+            }
+        };
+        match command {
+            WindCommand::SelfHeating { element, .. } => own(*element),
+            WindCommand::FasterGains(config) => own(config.element),
+            WindCommand::CrossHeating(_) => format!("calibration.cross_heating[{crosses}]"),
+            WindCommand::NusseltPoint { .. } => "calibration.nusselt.amplitudes".to_owned(),
+            WindCommand::Surface { surface: part, .. } => format!("calibration.surfaces[{part}]"),
+            WindCommand::Card(_) => "calibration.card".to_owned(),
+            WindCommand::Uncertainty(_) => "calibration.uncertainty".to_owned(),
+            WindCommand::Convection(_) => "calibration.convection".to_owned(),
+            WindCommand::Correction(_) => "calibration.correction".to_owned(),
+            WindCommand::GasLaw(_) => "calibration.reference_gas_c".to_owned(),
+            WindCommand::Form(_) | WindCommand::Output(_) | WindCommand::Gas { .. } => "calibration".to_owned(),
+        }
     }
 }

@@ -45,11 +45,10 @@ impl Calibration {
         if let Some([least, most]) = was.map(|of| of.pressure_pa)
             && !(least / PRESSURE_FACTOR..=most * PRESSURE_FACTOR).contains(&conditions.pressure_pa)
         {
-            found.push(format!(
-                "the gas is at {} Pa, and was at {} Pa in the calibration: free convection, and the slip of a thin gas, are others",
-                tidy(conditions.pressure_pa),
-                if tidy(least) == tidy(most) { tidy(least).to_string() } else { format!("{} to {}", tidy(least), tidy(most)) }
-            ));
+            let [is, least, most] = [conditions.pressure_pa, least, most].map(tidy);
+            let was = if least == most { least.to_string() } else { format!("{least} to {most}") };
+            let pressures = format!("the gas is at {is} Pa, and was at {was} Pa in the calibration");
+            found.push(format!("{pressures}: free convection, and the slip of a thin gas, are others"));
         }
         found.extend(self.moved_support(conditions.support_temperature_c));
         found
@@ -61,11 +60,10 @@ impl Calibration {
         let degrees = beyond(was, is, GAS_K)?;
         let percent = self.percent_per_k() * degrees;
         (percent > LEAST_PERCENT).then(|| {
+            let gas = format!("the gas is at {}, and was at {} in the calibration", celsius(is), celsius(was));
             format!(
-                "the gas is at {}, and was at {} in the calibration: {degrees:.0} K may be {percent:.0} % of speed; quiescent gas of another \
-                 temperature among the calibration's records makes it less",
-                celsius(is),
-                celsius(was)
+                "{gas}: {degrees:.0} K may be {percent:.0} % of speed; quiescent gas of another temperature among the calibration's records \
+                 makes it less"
             )
         })
     }
@@ -79,11 +77,10 @@ impl Calibration {
     fn moved_support(&self, is_c: f64) -> Option<String> {
         let was_c = self.table.support_c?;
         ((is_c - was_c).abs() > SAME_TEMPERATURE_K && !self.network.has_cores()).then(|| {
+            let [is_c, was_c] = [is_c, was_c].map(tidy);
             format!(
-                "the support is at {} °C, and was at {} °C when the network was identified: this head has no element without a surface that \
-                 would find its heat, and takes it for wind",
-                tidy(is_c),
-                tidy(was_c)
+                "the support is at {is_c} °C, and was at {was_c} °C when the network was identified: this head has no element without a \
+                 surface that would find its heat, and takes it for wind"
             )
         })
     }
@@ -99,15 +96,12 @@ fn middle([least, most]: [f64; 2]) -> f64 {
 }
 
 fn celsius([least, most]: [f64; 2]) -> String {
-    match most - least < 1.0 {
-        true => format!("{:.1} °C", 0.5 * (least + most)),
-        false => format!("{least:.1} to {most:.1} °C"),
-    }
+    if most - least < 1.0 { format!("{:.1} °C", 0.5 * (least + most)) } else { format!("{least:.1} to {most:.1} °C") }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::conditions::CalibrationConditions;
+    use super::super::table::CalibrationConditions;
     use super::*;
     use crate::head::file::Head;
 

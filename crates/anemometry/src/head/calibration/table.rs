@@ -5,12 +5,13 @@ use dr_core::wind::calibration_uncertainty::{CalibrationUncertainty, KNOTS};
 use dr_core::wind::card_inverse::{KNOTS as CARD_KNOTS, TERMS};
 use dr_core::wind::free_stream::STEM_KNOTS;
 use dr_core::wind::nusselt::{ORDERS, POINTS};
+use dr_core::wind::slow_errors::SurfaceCorrection;
+use dr_core::wind::sphere::SECTORS;
 use dr_core::wind::{CardConfig, ConvectionConfig, HeadForm, NusseltConfig, RiseConfig, StemConfig, SurfaceConfig};
+use recording::text::tidy;
 use recording::toml_file::exactly;
 use serde::{Deserialize, Serialize};
 
-use super::conditions::CalibrationConditions;
-use super::correction::CorrectionTable;
 use crate::gas::Species;
 use crate::network::parameters::{CrossHeatingParameters, SelfHeatingParameters};
 
@@ -21,20 +22,16 @@ pub struct CalibrationTable {
     /// Recordings and cross-validation of the calibration, in words.
     pub made_from: String,
     /// Day of its recordings, as 2026-03-01, where they state it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub made_on: Option<String>,
     /// Its version; 1 if it does not state one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub version: Option<u32>,
     /// The calibration that this one was made of by a scale, in words.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub former: Option<String>,
     /// The gas that it holds for.
     pub species: Species,
     /// Temperature of the gas of the quiescent-gas network, °C.
     pub reference_gas_c: f64,
     /// Temperature of the support in the records of the quiescent-gas network, °C, if they say it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub support_c: Option<f64>,
     /// What the surfaces belong to; without the key parts of a sphere, or dice.
     #[serde(default, skip_serializing_if = "is_sphere")]
@@ -44,25 +41,18 @@ pub struct CalibrationTable {
     /// Directions that are more uncertain are flagged as none, °.
     pub direction_error_max_deg: f64,
     /// The element that measures the gas.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference: Option<String>,
     /// How conductances depend on the wind, but of a card.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nusselt: Option<NusseltTable>,
     /// The same of a card.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub card: Option<CardTable>,
     /// How the convection is taken.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub convection: Option<ConvectionModelTable>,
     /// In which gas and at which temperatures it was made; older heads do not state it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub conditions: Option<CalibrationConditions>,
     /// What it adds to the uncertainty of the wind.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<UncertaintyTable>,
     /// Slow errors that are taken out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub correction: Option<CorrectionTable>,
     /// Surfaces, in the head's order.
     #[serde(default)]
@@ -331,5 +321,127 @@ impl SurfaceTable {
             means: self.means.map(|x| x as f32),
             threefold: self.threefold.map(|x| x as f32),
         }
+    }
+}
+
+/// `[calibration.conditions]`: least and greatest of the calibration's winds.
+#[derive(Deserialize, Serialize, Clone, Copy, Debug, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct CalibrationConditions {
+    /// Temperature of the gas, °C.
+    #[serde(deserialize_with = "exactly")]
+    pub gas_c: [f64; 2],
+    /// Pressure of the gas, Pa.
+    #[serde(deserialize_with = "exactly")]
+    pub pressure_pa: [f64; 2],
+    /// Temperature of the surfaces, °C.
+    #[serde(deserialize_with = "exactly")]
+    pub surface_c: [f64; 2],
+}
+
+impl CalibrationConditions {
+    /// Of winds, each with a gas temperature in °C, a pressure in Pa, and surface temperatures in
+    /// °C; none without a wind.
+    pub fn of(winds: impl Iterator<Item = (f64, f64, Vec<f64>)>) -> Option<Self> {
+        let none = [f64::INFINITY, f64::NEG_INFINITY];
+        let mut all = Self { gas_c: none, pressure_pa: none, surface_c: none };
+        let widen = |range: &mut [f64; 2], value: f64| *range = [range[0].min(value), range[1].max(value)];
+        for (gas_c, pressure_pa, surface_c) in winds {
+            widen(&mut all.gas_c, gas_c);
+            widen(&mut all.pressure_pa, pressure_pa);
+            surface_c.into_iter().for_each(|of| widen(&mut all.surface_c, of));
+        }
+        // Six digits are more than any of them has.
+        let tidy = |range: [f64; 2]| range.map(tidy);
+        let all = Self { gas_c: tidy(all.gas_c), pressure_pa: tidy(all.pressure_pa), surface_c: tidy(all.surface_c) };
+        [all.gas_c, all.pressure_pa, all.surface_c].iter().flatten().all(|of| of.is_finite()).then_some(all)
+    }
+
+    /// The key of a range that cannot be, if there is one.
+    pub(super) fn fault(&self) -> Option<&'static str> {
+        let ranges = [("gas_c", self.gas_c), ("pressure_pa", self.pressure_pa), ("surface_c", self.surface_c)];
+        ranges.into_iter().find(|(_, [least, most])| !(least <= most && most.is_finite())).map(|(key, _)| key)
+    }
+}
+
+/// `[calibration.correction]`
+#[derive(Deserialize, Serialize, Clone, Debug, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct CorrectionTable {
+    /// What was sought in which recordings, in words.
+    pub made_from: String,
+    /// Day of the last of them, as 2026-03-01, if it states one.
+    pub made_on: Option<String>,
+    /// Of every surface, in the order of the calibration's.
+    pub surfaces: Vec<SurfaceCorrectionTable>,
+}
+
+/// `[[calibration.correction.surfaces]]`
+#[derive(Deserialize, Serialize, Clone, Debug, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct SurfaceCorrectionTable {
+    /// Name of its element.
+    pub element: String,
+    /// Heat that it takes up beside the wind, W.
+    pub offset_w: f64,
+    /// Standard uncertainty, W.
+    pub offset_u_w: f64,
+    /// Change of its gain since the calibration, as a share.
+    pub gain_change: f64,
+    /// Standard uncertainty.
+    pub gain_change_u: f64,
+}
+
+impl SurfaceCorrectionTable {
+    /// Of a correction as the board takes it: what multiplies a conductance takes back what its
+    /// gain has changed by.
+    pub fn new(element: String, of: &SurfaceCorrection) -> Self {
+        let factor = 1.0 + f64::from(of.gain);
+        Self {
+            element,
+            offset_w: of.offset_w.into(),
+            offset_u_w: of.offset_u_w.into(),
+            gain_change: 1.0 / factor - 1.0,
+            gain_change_u: f64::from(of.gain_u) / factor.powi(2),
+        }
+    }
+
+    /// As the board takes it.
+    pub fn config(&self) -> SurfaceCorrection {
+        let remains = 1.0 + self.gain_change;
+        SurfaceCorrection {
+            offset_w: self.offset_w as f32,
+            gain: (1.0 / remains - 1.0) as f32,
+            offset_u_w: self.offset_u_w as f32,
+            gain_u: (self.gain_change_u / remains.powi(2)) as f32,
+        }
+    }
+}
+
+impl CorrectionTable {
+    /// As the board takes it; none of a table that was not checked.
+    pub fn config(&self) -> Option<[SurfaceCorrection; SECTORS]> {
+        let [a, b, c, d] = &self.surfaces[..] else { return None };
+        Some([a, b, c, d].map(SurfaceCorrectionTable::config))
+    }
+
+    /// That they are applied, in a sentence.
+    pub fn sentence(&self) -> String {
+        let day = self.made_on.as_ref().map_or_else(String::new, |day| format!(" of {day}"));
+        format!("corrections{day} are applied, by {}", self.made_from)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_range_upside_down_is_a_fault_with_its_key() {
+        let good = CalibrationConditions { gas_c: [1.0, 2.0], pressure_pa: [1e5, 1e5], surface_c: [50.0, 51.0] };
+        assert_eq!(good.fault(), None);
+        assert_eq!(CalibrationConditions { pressure_pa: [2.0, 1.0], ..good }.fault(), Some("pressure_pa"));
+        assert_eq!(CalibrationConditions { surface_c: [f64::NAN, 1.0], ..good }.fault(), Some("surface_c"));
+        assert_eq!(CalibrationConditions::of(std::iter::empty()), None);
     }
 }

@@ -2,8 +2,8 @@ use std::path::Path;
 
 use dr_core::model::{ConvectionObserverState, TickInput};
 
-use super::super::ladder::contact_time_s;
 use super::*;
+use crate::network::from_model::contact_time_s;
 use diffusive::model::testing;
 
 const NOISE: ReadingNoise = ReadingNoise { low_k: 2e-3, high_k: 4e-4 };

@@ -5,8 +5,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
 use rand_distr::{Distribution as _, StandardNormal};
 
-use super::super::ladder::{sections, share};
 use super::*;
+use crate::network::from_model::sections;
+use crate::network::from_model::share;
 
 /// An element like one of sphere A's: behind a film and a ceramic of 0.6 s.
 const RATES: [f64; 4] = [0.00296, 0.0306, 1.69, 126.9];

@@ -4,27 +4,20 @@
 use dr_core::wind::Anemometer;
 use dr_core::wind::sphere::SECTORS;
 
-use super::correction::{CONTRADICTED, FieldCorrection, OverheatFinding};
-use super::equations::{corrections, distinct, equations};
-use super::evidence::SlowEvidence;
-use super::halves::OverheatHalves;
-use super::kind::SlowErrorKind;
-use super::likeliest::likeliest;
-use super::open::{OpenError, open_errors};
-use super::overheats::{missed_mw, overheat_chi_square, overheat_equations, widen_by_missed};
-use super::smoother::{OverheatEquation, SlowEquation, SlowErrorsAt, SlowJump, SlowPrior, SlowSeries, smooth};
-use super::unknown::SlowErrorsUnknown;
+use super::correction::{
+    CONTRADICTED, FieldCorrection, JUMP_EXPLAINS, LEAST_WINDS, OpenError, OverheatFinding, SlowErrorKind,
+    SlowErrorsUnknown, open_errors,
+};
+use super::evidence::{SlowEvidence, corrections, distinct, equations};
+use super::halves::{OverheatHalves, missed_mw, overheat_chi_square, overheat_equations, widen_by_missed};
+use super::smoother::{OverheatEquation, SlowEquation, SlowErrorsAt, SlowJump, SlowPrior, SlowSeries, doubt, smooth};
 
 const ROUNDS: usize = 8;
-/// Jumps that take less than this out of the squares of the residuals are none, and most of them.
-pub(super) const JUMP_EXPLAINS: f64 = 30.0;
 const MOST_JUMPS: usize = 12;
 /// Variance of an equation up to which its wind was steady, and how many such winds it takes to
 /// find what all surfaces share: means over gusts contradict a little, and in the same way as that.
 const STEADY: f64 = 3.0;
 const LEAST_STEADY: f64 = 20.0;
-/// Winds that differ: with fewer any kind of error explains what contradicts.
-const LEAST_WINDS: usize = 16;
 /// Uncertainty over the greatest error from which on it is not known which surface is wrong.
 const HIDDEN: f64 = 0.25;
 /// Standard deviations beyond which a residual counts as less.
@@ -165,7 +158,7 @@ impl SlowErrorSearch {
         Err(if self.kind == SlowErrorKind::Offsets && OverheatHalves::is_two(evidence) {
             SlowErrorsUnknown::NoHalves
         } else {
-            SlowErrorsUnknown::FewWinds { least: LEAST_WINDS }
+            SlowErrorsUnknown::FewWinds
         })
     }
 
@@ -178,4 +171,36 @@ impl SlowErrorSearch {
         };
         [mean(&|of, _| of.value), mean(&|of, at| of.left(&at.errors))]
     }
+}
+
+const OFFSETS_MW: [f64; 9] = [0.0, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0];
+const GAINS_PERCENT: [f64; 8] = [0.0, 0.1, 0.3, 1.0, 2.0, 4.0, 8.0, 16.0];
+const WALKS: [f64; 6] = [0.0, 0.01, 0.03, 0.1, 0.2, 0.4];
+const TIMES_S: [f64; 11] = [100.0, 200.0, 400.0, 800.0, 1600.0, 3200.0, 6400.0, 12800.0, 25600.0, 51200.0, 102400.0];
+const NOISES: [f64; 7] = [0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0];
+
+/// A prior with each number in turn taken as it makes the equations likeliest.
+pub fn likeliest(mut prior: SlowPrior, series: &SlowSeries<'_>, kind: SlowErrorKind) -> SlowPrior {
+    let mut best = |of: &[f64], set: &dyn Fn(&mut SlowPrior, f64)| {
+        let with = |&value: &f64| {
+            let mut other = prior;
+            set(&mut other, value);
+            (other, doubt(&other, series))
+        };
+        if let Some((other, _)) = of.iter().map(with).min_by(|a, b| a.1.total_cmp(&b.1)) {
+            prior = other;
+        }
+    };
+    for _ in 0..2 {
+        if kind != SlowErrorKind::Gains {
+            best(&OFFSETS_MW, &|of, mw| of.offset_mw = mw);
+            best(&TIMES_S, &|of, time_s| of.time_s = time_s);
+        }
+        if kind != SlowErrorKind::Offsets {
+            best(&GAINS_PERCENT, &|of, percent| of.gain_percent = percent);
+            best(&WALKS, &|of, walk| of.gain_walk = walk);
+        }
+        best(&NOISES, &|of, noise| of.noise = noise);
+    }
+    prior
 }

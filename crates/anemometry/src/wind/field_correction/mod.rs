@@ -3,41 +3,24 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | [`evidence`] | conductances of a recording, slot by slot |
-//! | [`equations`] | one equation a slot |
-//! | [`halves`] | what lies at each of two overheats, where they alternate |
-//! | [`overheats`] | equations of their differences |
+//! | [`evidence`] | conductances of a recording, slot by slot, and one equation of each |
+//! | [`halves`] | what lies at each of two overheats, where they alternate, and what it says of heat |
 //! | [`smoother`] | errors over time, with covariance |
-//! | `open` | what the winds do not determine |
+//! | [`find`] | the search of all this, and of how large and quick errors are |
+//! | [`correction`] | what was found, as corrections over time and in the head, or why nothing was |
 //! | [`report`] | both in words and as JSON |
-//! | `widen` | what their covariance adds to that of a wind |
-//! | `likeliest` | how large and quick errors are: by likelihood |
-//! | [`find`] | the search of all this |
-//! | [`kind`], `likelier` | heat or gains, and which of them |
-//! | [`correction`] | what was found, as corrections over time |
-//! | `constant` | what a head may carry of it |
-//! | [`unknown`] | why nothing can be found |
 
-mod constant;
 pub mod correction;
-pub mod equations;
 pub mod evidence;
 pub mod find;
 pub mod halves;
-pub mod kind;
-mod likelier;
-mod likeliest;
-mod open;
-pub mod overheats;
 pub mod report;
 pub mod smoother;
 #[cfg(test)]
 mod tests;
-pub mod unknown;
-mod widen;
 
 pub use correction::FieldCorrection;
+pub use correction::SlowErrorKind;
+pub use correction::SlowErrorsUnknown;
 pub use evidence::SlowEvidence;
-pub use kind::SlowErrorKind;
 pub use report::SlowErrorReport;
-pub use unknown::SlowErrorsUnknown;

@@ -5,9 +5,7 @@ use std::fmt;
 use dr_core::wind::sphere::SECTORS;
 use serde::Serialize;
 
-use super::correction::{FieldCorrection, OverheatFinding};
-use super::kind::SlowErrorKind;
-use super::open::open_errors;
+use super::correction::{FieldCorrection, OverheatFinding, SlowErrorKind, open_errors};
 
 /// Moments of the series.
 const MOMENTS: usize = 24;
@@ -181,13 +179,11 @@ impl fmt::Display for SlowErrorReport {
                 self.winds
             );
         }
+        let squares = format!("χ² {before:.1} before and {after:.1} after");
         if self.is_applied {
-            writeln!(f, "corrected: {list}; contradictions, χ² {before:.1} before and {after:.1} after")?;
+            writeln!(f, "corrected: {list}; contradictions, {squares}")?;
         } else {
-            writeln!(
-                f,
-                "contradictions explained: {list}; χ² {before:.1} before and {after:.1} after, with --field-correction {option}"
-            )?;
+            writeln!(f, "contradictions explained: {list}; {squares}, with --field-correction {option}")?;
         }
         if let Some(other) = self.as_likely.as_ref().filter(|other| !other.is_empty()) {
             writeln!(f, "as likely: {other}; winds of more directions and speeds would say which")?;

@@ -9,12 +9,14 @@ use dr_core::wind::{MeasuredConductance, WindEstimate, WindState, WindTick};
 use nalgebra::{SMatrix, SVector, Vector3};
 use recording::toml_file::TomlSource;
 
-use super::halves::{OverheatHalf, OverheatHalves, SurfaceCovariance};
-use super::overheats::overheat_equations;
-use super::smoother::ERRORS;
-use super::widen::by_errors;
+use crate::head::calibration::commands::WindOutput;
 use crate::head::file::Head;
-use crate::head::output::WindOutput;
+use crate::wind::field_correction::correction::by_errors;
+use crate::wind::field_correction::halves::OverheatHalf;
+use crate::wind::field_correction::halves::OverheatHalves;
+use crate::wind::field_correction::halves::SurfaceCovariance;
+use crate::wind::field_correction::halves::overheat_equations;
+use crate::wind::field_correction::smoother::ERRORS;
 use crate::wind::off_line::OffLineAnemometer;
 
 const GAS_C: f32 = -53.0;

@@ -9,7 +9,7 @@ use crate::thesis::record::rows;
 use anemometry::head::calibration::checked::Calibration;
 use anemometry::head::{Head, WindOutput};
 use anemometry::wind::gas_uncertainty::{GasReadingErrors, GasUncertainty};
-use anemometry::wind::live::LiveRows;
+use anemometry::wind::moment::Ticks;
 use anemometry::wind::moment::Moment;
 use anemometry::wind::off_line::OffLineAnemometer;
 use host_sim::experiment::Experiment;
@@ -27,7 +27,7 @@ pub fn blow(
 ) -> Result<(), StudyError> {
     let anemometers = modes.iter().map(|mode| beside(experiment, head, *mode));
     let mut anemometers: Vec<OffLineAnemometer<'_>> = anemometers.collect::<Result<_, _>>()?;
-    let mut live = LiveRows::new(experiment.sample_period_s);
+    let mut live = Ticks::new(experiment.sample_period_s);
     rows(experiment, &mut |row| {
         let moment = live.moment(row);
         for (place, anemometer) in anemometers.iter_mut().enumerate() {

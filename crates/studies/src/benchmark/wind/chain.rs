@@ -9,7 +9,7 @@ use anemometry::calibrate::drawn::DrawnOptions;
 use anemometry::head::Head;
 use anemometry::network::identify::{PolesPerPair, identify};
 use anemometry::network::record::QuiescentRecord;
-use anemometry::wind::live::LiveRows;
+use anemometry::wind::moment::Ticks;
 use diffusive::model::Model;
 use host_sim::experiment::Experiment;
 use recording::{Collector, Metadata, RecordingLayout};
@@ -102,7 +102,7 @@ pub fn steady(calibrator: &Calibrator, tunnel: &Experiment, settle_s: f64) -> Re
     let search = calibrator.search(settle_s, None);
     let name = std::path::Path::new(&tunnel.title);
     let mut looking = search.begin(name, tunnel.conditions(), tunnel.sample_period_s).map_err(other)?;
-    let mut live = LiveRows::new(tunnel.sample_period_s);
+    let mut live = Ticks::new(tunnel.sample_period_s);
     let mut failed = None;
     rows(tunnel, &mut |row| {
         if failed.is_none() {
