@@ -38,12 +38,21 @@ pub fn firmware(board: FirmwareBoard) -> Result<PathBuf> {
 
 /// Builds the `anemo` command.
 pub fn anemo() -> Result<PathBuf> {
-    executable(shell::cargo().args(["build", "--release", "-p", "anemo", "--bin", "anemo"]), "anemo")
+    executable(&mut build_of_anemo(), "anemo")
+}
+
+/// The job of cargo that builds the `anemo` command, with the features that the tests want.
+///
+/// Cargo takes them from all selected crates, and those of tests only where an example is built.
+pub fn build_of_anemo() -> Command {
+    let mut cargo = shell::cargo_of_all("build");
+    cargo.args(["--exclude", "silicon", "--bin", "anemo", "--example", "plot_recording"]);
+    cargo
 }
 
 /// Builds the commands `anemo` and `studies`, which lie in one folder, and returns the first.
 pub fn anemo_and_studies() -> Result<PathBuf> {
-    executable(shell::cargo().args(["build", "--release", "-p", "anemo", "-p", "studies", "--bins"]), "anemo")
+    executable(build_of_anemo().args(["--bin", "studies"]), "anemo")
 }
 
 /// Builds the examples of all crates and returns the one that writes the interface of `anemo`.

@@ -244,7 +244,8 @@ fn benchmark() -> Result<()> {
 /// Writes pages of results into a folder of the night.
 fn study(arguments: &[&str]) -> Result<()> {
     let folder = shell::target_directory()?.join("nightly/results");
-    shell::run(shell::program(artefacts::anemo()?).args(arguments).arg("-o").arg(folder))
+    let studies = artefacts::anemo_and_studies()?.with_file_name("studies");
+    shell::run(shell::program(studies).args(arguments).arg("-o").arg(folder))
 }
 
 fn benches() -> Result<()> {
