@@ -2,7 +2,6 @@
 //! flash (`firmware/src/proof/flash.rs`).
 
 use anyhow::{Context, Result};
-use flate2::Crc;
 use image_analysis::checksum::{ChecksumPlace, place};
 use std::path::Path;
 
@@ -18,9 +17,8 @@ pub fn fill_in(image: &Path) -> Result<()> {
 
 /// CRC-32, ISO-HDLC.
 fn checksum(found: &ChecksumPlace) -> u32 {
-    let mut crc = Crc::new();
-    crc.update(&found.covered);
-    crc.sum()
+    let bit = |crc: u32, _| if crc & 1 == 1 { crc >> 1 ^ 0xEDB8_8320 } else { crc >> 1 };
+    !found.covered.iter().fold(!0, |crc, &byte| (0..8).fold(crc ^ u32::from(byte), bit))
 }
 
 #[cfg(test)]

@@ -18,7 +18,6 @@ mod flash;
 mod fuzz;
 mod hardware;
 mod install;
-mod limits;
 mod lines;
 mod links;
 mod lint;
