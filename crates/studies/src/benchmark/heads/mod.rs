@@ -13,6 +13,7 @@
 pub mod operation;
 pub mod report;
 
+use anyhow::{Context as _, Result};
 use std::path::Path;
 
 use anemometry::head::Head;
@@ -23,7 +24,7 @@ use serde::Serialize;
 use super::modes::OperatingMode;
 use super::wind::sphere::WindMode;
 use super::wind::{chain, directions};
-use crate::thesis::{StudyError, StudyLab};
+use crate::thesis::StudyLab;
 
 pub use report::HeadsReport;
 
@@ -69,7 +70,7 @@ pub struct MeasuredHead {
 ///
 /// # Errors
 /// What could not be read, run or identified.
-pub fn measure(folder: &Path, all_modes: bool, progress: &dyn Fn(&str)) -> Result<MeasuredHead, StudyError> {
+pub fn measure(folder: &Path, all_modes: bool, progress: &dyn Fn(&str)) -> Result<MeasuredHead> {
     let lab = StudyLab::new(folder, progress);
     let head = lab.experiment("tunnel")?.head;
     let names = head.names();
@@ -98,15 +99,11 @@ pub fn measure(folder: &Path, all_modes: bool, progress: &dyn Fn(&str)) -> Resul
     Ok(head_measured)
 }
 
-fn figures(
-    head: &Head,
-    experiment: &host_sim::experiment::Experiment,
-    mode: OperatingMode,
-) -> Result<HeadFigures, StudyError> {
-    let calibration = head.calibration.as_ref().ok_or_else(|| StudyError::Other("no calibration".to_owned()))?;
+fn figures(head: &Head, experiment: &host_sim::experiment::Experiment, mode: OperatingMode) -> Result<HeadFigures> {
+    let calibration = head.calibration.as_ref().context("no calibration")?;
     let errors = directions::of(experiment, head, &[BANDWIDTH])?;
-    let errors = errors.first().ok_or_else(|| StudyError::Other("no estimates".to_owned()))?;
-    let none = || StudyError::Other(format!("{}: no estimate of a speed", head.name));
+    let errors = errors.first().context("no estimates")?;
+    let none = || format!("{}: no estimate of a speed", head.name);
     Ok(HeadFigures {
         head: head.name.clone(),
         form: calibration.table.form,
@@ -115,7 +112,7 @@ fn figures(
         made_from: calibration.table.made_from.clone(),
         winds: experiment.wind.iter().filter(|wind| wind.speed_m_s > 0.0).count(),
         direction_rms_deg: errors.direction_deg.rms(),
-        speed_rms: errors.speed.rms().ok_or_else(none)?,
-        speed_mean: errors.speed.mean().ok_or_else(none)?,
+        speed_rms: errors.speed.rms().with_context(none)?,
+        speed_mean: errors.speed.mean().with_context(none)?,
     })
 }

@@ -1,10 +1,11 @@
 //! The experiments of a folder in another operating mode.
 
+use anyhow::{Context as _, Result};
 use dr_core::sensor::Level;
 use host_sim::experiment::Experiment;
 
 use crate::benchmark::modes::OperatingMode;
-use crate::thesis::{StudyError, StudyLab};
+use crate::thesis::StudyLab;
 use recording::text::short;
 
 /// Of the power that holds the overheat in quiescent gas: no element becomes as warm as there.
@@ -15,12 +16,7 @@ const SHARE: f64 = 0.9;
 ///
 /// # Errors
 /// If an experiment cannot be read.
-pub fn experiment(
-    lab: &StudyLab,
-    name: &str,
-    elements: &[&str],
-    mode: OperatingMode,
-) -> Result<Experiment, StudyError> {
+pub fn experiment(lab: &StudyLab, name: &str, elements: &[&str], mode: OperatingMode) -> Result<Experiment> {
     let known = lab.experiment(name)?;
     if mode == OperatingMode::Cta {
         return Ok(known);
@@ -29,7 +25,7 @@ pub fn experiment(
     for element in elements {
         let identification = lab.experiment(&format!("identify-{element}"))?;
         let of = identification.head.elements.iter().find(|of| of.name == *element);
-        let of = of.ok_or_else(|| StudyError::Other(format!("{element}: is no element of the head")))?;
+        let of = of.with_context(|| format!("{element}: is no element of the head"))?;
         let mean_w = 0.5 * SHARE * of.power_w(known.gas_temperature_c, Level::High);
         let high_a = of.nominal.current_high_a * (0.5 * SHARE).sqrt();
         if mode == OperatingMode::Cca {

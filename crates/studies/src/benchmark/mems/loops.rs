@@ -1,5 +1,6 @@
 //! Set-points held by the loops of both orders: predicted from a model and simulated, and for days.
 
+use anyhow::Result;
 use dielectric::experiment::{DeviceExperiment, DevicePhase};
 use dielectric::predict::predict;
 use diffusive::model::Model;
@@ -8,7 +9,6 @@ use recording::Recording;
 use serde::Serialize;
 
 use super::records::run_of;
-use crate::thesis::StudyError;
 
 /// Set-points as shares of the range that the symbols can hold.
 const SHARES: [f64; 3] = [-0.4, 0.1, 0.5];
@@ -35,7 +35,7 @@ pub struct LoopFigures {
 }
 
 /// The three set-points under both orders, from a model of the device, on a device without charge.
-pub fn predicted(model: &Model, prbs: &DeviceExperiment) -> Result<Vec<LoopFigures>, StudyError> {
+pub fn predicted(model: &Model, prbs: &DeviceExperiment) -> Result<Vec<LoopFigures>> {
     let held = |drive: Drive| DeviceExperiment {
         phases: vec![DevicePhase { tick: 0, label: String::new(), drive }],
         ticks: (LOOP_S / prbs.shape.symbol_time_s) as u32,
@@ -88,12 +88,9 @@ pub struct DaysFigures {
 
 /// Both orders over an experiment of days, whose first phase holds the set-point; pictures are
 /// drawn of either.
-pub fn days(
-    experiment: &DeviceExperiment,
-    draw: &dyn Fn(&str, &Recording) -> Result<(), StudyError>,
-) -> Result<[DaysFigures; 2], StudyError> {
+pub fn days(experiment: &DeviceExperiment, draw: &dyn Fn(&str, &Recording) -> Result<()>) -> Result<[DaysFigures; 2]> {
     let target = experiment.phases[0].drive.target_range_c().map_or(0.0, |(target, _)| target);
-    let of = |order: u8| -> Result<DaysFigures, StudyError> {
+    let of = |order: u8| -> Result<DaysFigures> {
         let drive = match order {
             1 => Drive::Temperature { target_c: target },
             _ => Drive::SecondOrder { target, gain_per_tick: GAIN_PER_TICK },

@@ -3,8 +3,9 @@
 use super::blown::blow;
 use super::coherence::{Band, bands};
 use super::sphere::WindMode;
-use crate::thesis::{StudyError, StudyLab};
+use crate::thesis::StudyLab;
 use anemometry::head::Head;
+use anyhow::Result;
 
 /// Of the estimate, s.
 const SEGMENT_S: f64 = 20.48;
@@ -24,7 +25,7 @@ pub struct TurbulenceResponse {
 ///
 /// # Errors
 /// What could not be run.
-pub fn measure(lab: &StudyLab, head: &Head, modes: &[WindMode]) -> Result<Vec<TurbulenceResponse>, StudyError> {
+pub fn measure(lab: &StudyLab, head: &Head, modes: &[WindMode]) -> Result<Vec<TurbulenceResponse>> {
     let experiment = lab.experiment("turbulence")?;
     lab.announce(&experiment);
     let from_s = experiment.wind.last().map_or(0.0, |wind| wind.start_s);
