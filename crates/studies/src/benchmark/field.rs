@@ -134,9 +134,8 @@ impl FieldReport {
 
     /// The page of a day.
     pub fn page(&self, day: &str) -> String {
-        let table = |effects: &[EffectFigures]| {
-            ResultTable::new(&TITLES.join(" | "), effects.iter().map(EffectFigures::cells)).markdown()
-        };
+        let table =
+            |effects: &[EffectFigures]| ResultTable::new(TITLES, effects.iter().map(EffectFigures::cells)).markdown();
         format!(
             "# Effects of the field\n\nBy `cargo run --release -p studies -- benchmark field --specimens {}`, {day}. {}\n\n{}\n## In the tunnel, too\n\n{OWN}\n\n{}",
             self.specimens,
@@ -153,11 +152,8 @@ const OWN: &str = "Specimens that were identified in gas with film properties an
 
 impl fmt::Display for FieldReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let titles = std::iter::once(TITLES.map(|title| title.replace('`', "")));
-        let all = self.effects.iter().chain(&self.of_tunnels);
-        for [effect, direction, speed, inconsistent, held, unsaid] in titles.chain(all.map(EffectFigures::cells)) {
-            writeln!(f, "{effect:<54} {direction:>13} {speed:>18} {inconsistent:>12} {held:>32} {unsaid:>7}")?;
-        }
-        writeln!(f, "\n{} {OWN}", self.legend())
+        let all = self.effects.iter().chain(&self.of_tunnels).map(EffectFigures::cells);
+        let table = ResultTable::new(&TITLES.replace('`', ""), all).text();
+        writeln!(f, "{table}\n{} {OWN}", self.legend())
     }
 }

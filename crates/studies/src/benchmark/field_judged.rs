@@ -131,14 +131,7 @@ pub(super) fn judge(
 }
 
 /// Of the cells of an effect.
-pub(super) const TITLES: [&str; 6] = [
-    "otherwise",
-    "direction rms",
-    "speed rms (mean)",
-    "flagged (`inconsistent`)",
-    "95 % intervals: direction, speed",
-    "unsaid",
-];
+pub(super) const TITLES: &str = "otherwise | direction rms | speed rms (mean) | flagged (`inconsistent`) | 95 % intervals: direction, speed | unsaid";
 
 impl EffectFigures {
     pub(super) fn cells(&self) -> [String; 6] {

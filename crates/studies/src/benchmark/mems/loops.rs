@@ -46,13 +46,8 @@ pub fn predicted(model: &Model, prbs: &DeviceExperiment) -> Result<Vec<LoopFigur
     let mut all = Vec::new();
     for share in SHARES {
         let target_v = 0.5 * (least_v + most_v + share * (most_v - least_v));
-        let target = target_v as f32;
-        let drives = [
-            (1, Drive::Temperature { target_c: target }),
-            (2, Drive::SecondOrder { target, gain_per_tick: GAIN_PER_TICK }),
-        ];
-        for (order, drive) in drives {
-            let experiment = held(drive);
+        for order in [1, 2] {
+            let experiment = held(drive(order, target_v as f32));
             let predicted = predict(model, &experiment, &mut |_| Ok(()))?.run;
             let simulated = run_of(&experiment)?.summary;
             let both = [&predicted.phases[0], &simulated.phases[0]];
@@ -67,6 +62,14 @@ pub fn predicted(model: &Model, prbs: &DeviceExperiment) -> Result<Vec<LoopFigur
         }
     }
     Ok(all)
+}
+
+/// A loop of an order at a set-point.
+fn drive(order: u8, target: f32) -> Drive {
+    match order {
+        1 => Drive::Temperature { target_c: target },
+        _ => Drive::SecondOrder { target, gain_per_tick: GAIN_PER_TICK },
+    }
 }
 
 /// Days at a set-point.
@@ -91,11 +94,7 @@ pub struct DaysFigures {
 pub fn days(experiment: &DeviceExperiment, draw: &dyn Fn(&str, &Recording) -> Result<()>) -> Result<[DaysFigures; 2]> {
     let target = experiment.phases[0].drive.target_range_c().map_or(0.0, |(target, _)| target);
     let of = |order: u8| -> Result<DaysFigures> {
-        let drive = match order {
-            1 => Drive::Temperature { target_c: target },
-            _ => Drive::SecondOrder { target, gain_per_tick: GAIN_PER_TICK },
-        };
-        let phases = vec![DevicePhase { tick: 0, label: String::new(), drive }];
+        let phases = vec![DevicePhase { tick: 0, label: String::new(), drive: drive(order, target) }];
         let record = run_of(&DeviceExperiment { phases, ..experiment.clone() })?;
         draw(&format!("mems-days-{order}.svg"), &record.recording)?;
         let reached_s = record.summary.phases[0].reached_s.unwrap_or(f64::NAN);
