@@ -4,7 +4,6 @@
 mod artefacts;
 mod book;
 mod campaign;
-mod checksum;
 mod ci;
 mod cost;
 mod counterparts;
@@ -25,7 +24,6 @@ mod markdown;
 mod miri;
 mod mutants;
 mod nightly;
-mod overflow;
 mod pages;
 mod programs;
 mod python;

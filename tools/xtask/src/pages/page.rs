@@ -1,9 +1,9 @@
 //! Runs the commands of one page.
 
+use super::PagePrograms;
 use super::elision;
 use super::gallery;
 use super::names::{self, NamedOnly};
-use super::programs::PagePrograms;
 use super::transcript::{self, Expectation, ShownCommand, Step};
 use crate::shell;
 use anyhow::{Context, Result, bail};
