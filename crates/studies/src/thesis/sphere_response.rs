@@ -54,7 +54,7 @@ pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<()> {
     {
         findings.fill(name, brief(case.response.resolution_s));
     }
-    judge(findings, [a, b, b_off, power, current], (&b_long, &b_off_long))?;
+    judge(findings, [a, b, b_off, power, current], (b_long, b_off_long))?;
     let chart = |caption: &str, of: fn(f64) -> f64| {
         let lines = cases.iter().map(|case| {
             let points = case.response.points(case.from_s, 1e4).into_iter();
@@ -81,7 +81,7 @@ fn absolute(missing: f64) -> f64 {
 fn judge(
     findings: &mut StudyFindings,
     [a, b, b_off, power, current]: [&StepCase; 5],
-    (b_long, b_off_long): (&Long, &Long),
+    (b_long, b_off_long): (f64, f64),
 ) -> Result<()> {
     let settled = |case: &StepCase| -> Result<f64> {
         let never = || format!("{}: the run is too short for its 2 %", case.what);
@@ -94,7 +94,7 @@ fn judge(
         let what = format!("{}: most missing after 1 s", case.what);
         findings.between(what, "no tail", (most, "%"), (f64::NEG_INFINITY, MOST_LEFT));
         let what = format!("{}: missing from 1 to 11 s, of what comes in 15 min", case.what);
-        findings.between(what, "no tail", (long.left.abs(), "%"), (f64::NEG_INFINITY, MOST_LEFT));
+        findings.between(what, "no tail", (long.abs(), "%"), (f64::NEG_INFINITY, MOST_LEFT));
     }
     for (open, closed) in [(power, b), (current, b_off)] {
         let factor = settled(open)? / settled(closed)?;
@@ -132,14 +132,9 @@ pub fn of_a(lab: &StudyLab) -> Result<StepResponse> {
     Ok(StepResponse::of(record.power_w("hemisphere1")?, &[step], window, experiment.sample_period_s))
 }
 
-/// What a long run says of the tail.
-struct Long {
-    /// Of the whole change in %, missing in the mean from 1 to 11 s after the step.
-    left: f64,
-}
-
-/// Sphere B in closed loop: its repeated step, and the tail of the long one.
-fn of_b(lab: &StudyLab, name: &str) -> Result<(StepResponse, Long)> {
+/// Sphere B in closed loop: its repeated step, and what the long one lacks from 1 to 11 s, % of its
+/// change.
+fn of_b(lab: &StudyLab, name: &str) -> Result<(StepResponse, f64)> {
     let base = lab.experiment(name)?;
     let record = lab.record(&base)?;
     let (_, after) = step(&base)?;
@@ -148,8 +143,8 @@ fn of_b(lab: &StudyLab, name: &str) -> Result<(StepResponse, Long)> {
     let before = record.mean_power_w("sector1", at_s - 300.0, at_s)?;
     let soon = record.mean_power_w("sector1", at_s + 1.0, at_s + 11.0)?;
     let finally = record.mean_power_w("sector1", end_s - 300.0, end_s)?;
-    let long = Long { left: 100.0 * (finally - soon) / (finally - before) };
-    Ok((of_b_repeated(lab, &base, FAST_PERIOD_S)?, long))
+    let left = 100.0 * (finally - soon) / (finally - before);
+    Ok((of_b_repeated(lab, &base, FAST_PERIOD_S)?, left))
 }
 
 /// Sphere B's repeated step, sampled every so often.

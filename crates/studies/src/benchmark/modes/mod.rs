@@ -42,13 +42,13 @@ pub fn figures(head: &Head, overheat_k: f64) -> Result<Vec<ModeFigures>> {
     for mode in OperatingMode::ALL {
         let course = jump::course(&compared, mode)?;
         let response_s = course.response_s();
-        let warmer = warmer::errors(&mut compared, mode);
+        let [gas_percent, support_percent] = warmer::errors(&mut compared, mode);
         all.push(ModeFigures {
             mode,
             response_s,
             creep_percent: course.left_percent(10.0 * *of_cta_s.get_or_insert(response_s)),
-            gas_percent: warmer.gas_percent,
-            support_percent: warmer.support_percent,
+            gas_percent,
+            support_percent,
         });
     }
     Ok(all)
