@@ -2,8 +2,9 @@
 
 use crate::output::Failure;
 
-/// A command that has moved: its old words and its new ones.
-const MOVED: [(&str, &str); 7] = [
+/// A command that has moved: its old words and its new ones, longer words first.
+const MOVED: [(&str, &str); 8] = [
+    ("settings forget", "board settings erase"),
     ("settings", "board settings"),
     ("status", "board status"),
     ("merge", "model merge"),
@@ -34,9 +35,11 @@ const OLD_FILE_OPTION: &str = "--output";
 pub fn refusal(command: &clap::Command, words: &[String]) -> Option<Failure> {
     let first = words.first()?.as_str();
     if command.find_subcommand(first).is_none() {
-        let rest = words[1..].iter().map(|word| format!(" {}", quoted(word))).collect::<String>();
-        let moved = MOVED.iter().find(|(old, _)| *old == first);
-        let moved = moved.map(|(old, new)| format!("`anemo {old}` is now `anemo {new}`; type: anemo {new}{rest}"));
+        let begins = |old: &str| old.split(' ').eq(words.iter().take(old.split(' ').count()));
+        let moved = MOVED.iter().find(|(old, _)| begins(old)).map(|(old, new)| {
+            let rest = words[old.split(' ').count()..].iter().map(|word| format!(" {}", quoted(word)));
+            format!("`anemo {old}` is now `anemo {new}`; type: anemo {new}{}", rest.collect::<String>())
+        });
         let gone =
             || GONE.iter().find(|(old, _)| *old == first).map(|(old, now)| format!("`anemo {old}` is gone; {now}"));
         return moved.or_else(gone).map(Failure::usage);
@@ -85,6 +88,7 @@ mod tests {
             answer("reduce 'my model.json' --order 3").unwrap(),
             "`anemo reduce` is now `anemo model reduce`; type: anemo model reduce 'my model.json' --order 3"
         );
+        assert!(answer("settings forget --all").unwrap().ends_with("type: anemo board settings erase --all"));
         assert!(answer("settings show --on qemu").unwrap().ends_with("type: anemo board settings show --on qemu"));
     }
 
@@ -116,7 +120,7 @@ mod tests {
     fn every_answer_leads_to_a_command_that_exists() {
         let root = crate::command();
         for (old, new) in MOVED {
-            assert!(root.find_subcommand(old).is_none(), "{old} exists");
+            assert!(old.split(' ').all(|word| root.find_subcommand(word).is_none()), "{old} exists");
             let leaf = new.split(' ').try_fold(&root, |found, word| found.find_subcommand(word));
             assert!(leaf.is_some(), "{new} does not exist");
         }

@@ -16,7 +16,7 @@
 //! assert_eq!(names[0], "rems-self");
 //! // STUDIES[0].run(&lab)? would take some seconds.
 //! assert_eq!(lab.experiment("rems-self-still")?.sample_period_s, 0.05);
-//! # Ok::<(), studies::thesis::StudyError>(())
+//! # Ok::<(), anyhow::Error>(())
 //! ```
 
 pub mod benchmark;

@@ -289,7 +289,7 @@ fn the_command_shows_sets_puts_aside_and_brings_back() {
     assert!(code == 2 && told.contains("sample_period_s"), "{told}");
     assert_eq!(std::fs::read(desk.path().join("board.flash")).unwrap(), before);
 
-    done(&["forget", "--all"]);
+    done(&["erase", "--all"]);
     assert!(!done(&["show"]).contains("stored"));
     done(&["restore", "aside.toml"]);
     done(&["backup", "-o", "again.toml"]);

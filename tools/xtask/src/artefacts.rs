@@ -2,10 +2,10 @@
 //!
 //! Paths are read from cargo's own messages, so that any target directory works.
 
-use crate::checksum;
 use crate::install::{self, TARGET};
 use crate::shell;
 use anyhow::{Context, Result};
+use image_analysis::checksum::{ChecksumPlace, place};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -38,12 +38,21 @@ pub fn firmware(board: FirmwareBoard) -> Result<PathBuf> {
 
 /// Builds the `anemo` command.
 pub fn anemo() -> Result<PathBuf> {
-    executable(shell::cargo().args(["build", "--release", "-p", "anemo", "--bin", "anemo"]), "anemo")
+    executable(&mut build_of_anemo(), "anemo")
+}
+
+/// The job of cargo that builds the `anemo` command, with the features that the tests want.
+///
+/// Cargo takes them from all selected crates, and those of tests only where an example is built.
+pub fn build_of_anemo() -> Command {
+    let mut cargo = shell::cargo_of_all("build");
+    cargo.args(["--exclude", "silicon", "--bin", "anemo", "--example", "plot_recording"]);
+    cargo
 }
 
 /// Builds the commands `anemo` and `studies`, which lie in one folder, and returns the first.
 pub fn anemo_and_studies() -> Result<PathBuf> {
-    executable(shell::cargo().args(["build", "--release", "-p", "anemo", "-p", "studies", "--bins"]), "anemo")
+    executable(build_of_anemo().args(["--bin", "studies"]), "anemo")
 }
 
 /// Builds the examples of all crates and returns the one that writes the interface of `anemo`.
@@ -74,8 +83,25 @@ fn linked_image(cargo: &mut Command, bin: &str, board: FirmwareBoard) -> Result<
     // Both boards' images are built under one name, so each is kept apart under its own.
     let kept = built.with_file_name(format!("{bin}-{}.elf", board.feature()));
     std::fs::copy(&built, &kept).with_context(|| format!("{} cannot be written", kept.display()))?;
-    checksum::fill_in(&kept)?;
+    fill_in(&kept)?;
     Ok(kept)
+}
+
+/// Puts the checksum into an image, by which the firmware then tests its flash
+/// (`firmware/src/proof/flash.rs`). An image without a place for it stays as it is.
+fn fill_in(image: &Path) -> Result<()> {
+    let mut elf = std::fs::read(image).with_context(|| format!("{} cannot be read", image.display()))?;
+    let Some(found) = place(&elf).with_context(|| image.display().to_string())? else { return Ok(()) };
+    elf.get_mut(found.offset..found.offset + 4)
+        .context("the checksum lies outside of the file")?
+        .copy_from_slice(&checksum(&found).to_le_bytes());
+    std::fs::write(image, elf).with_context(|| format!("{} cannot be written", image.display()))
+}
+
+/// CRC-32, ISO-HDLC.
+fn checksum(found: &ChecksumPlace) -> u32 {
+    let bit = |crc: u32, _| if crc & 1 == 1 { crc >> 1 ^ 0xEDB8_8320 } else { crc >> 1 };
+    !found.covered.iter().fold(!0, |crc, &byte| (0..8).fold(crc ^ u32::from(byte), bit))
 }
 
 /// Runs a `cargo build` or a `cargo test --no-run` and returns the executable that it reports for
@@ -118,5 +144,11 @@ mod tests {
         assert_eq!(find_executable(messages, "cost"), None);
         let tests = r#"{"target":{"name":"dr_core"},"profile":{"test":true},"executable":"/t/tests"}"#;
         assert_eq!(find_executable(tests, "dr_core"), Some(PathBuf::from("/t/tests")));
+    }
+
+    #[test]
+    fn it_is_the_checksum_that_the_firmware_expects() {
+        // The catalogue's check value.
+        assert_eq!(checksum(&ChecksumPlace { covered: b"123456789".to_vec(), offset: 0 }), 0xcbf4_3926);
     }
 }

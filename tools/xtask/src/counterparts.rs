@@ -47,7 +47,7 @@ fn install_all(counterparts: &[Counterpart]) {
         if install::is_on_path(program) {
             continue;
         }
-        if let Err(error) = install::package_of_program(program, package) {
+        if let Err(error) = install::package(package, || install::is_on_path(program)) {
             shell::announce(&format!("{error:#}; the tests that need {program} will skip"));
         }
         // The package has started it; a user's machine is no server because of our tests.

@@ -68,21 +68,10 @@ fn judge(files: &BTreeMap<String, LineHits>) -> Result<()> {
     Ok(())
 }
 
-/// Lines that are not run, as `3, 7-9`.
+/// Numbers of lines that are not run.
 fn missed(lines: &LineHits) -> String {
-    let mut ranges: Vec<(usize, usize)> = Vec::new();
-    let mut before_is_missed = false;
-    for (&line, &is_run) in lines {
-        match ranges.last_mut() {
-            // Lines without code between two missed ones do not part them.
-            Some(range) if before_is_missed && !is_run => range.1 = line,
-            _ if !is_run => ranges.push((line, line)),
-            _ => {}
-        }
-        before_is_missed = !is_run;
-    }
-    let word = |&(from, to): &(usize, usize)| if from == to { from.to_string() } else { format!("{from}-{to}") };
-    ranges.iter().map(word).collect::<Vec<_>>().join(", ")
+    let missed = lines.iter().filter(|(_, is_run)| !**is_run);
+    missed.map(|(line, _)| line.to_string()).collect::<Vec<_>>().join(", ")
 }
 
 /// A report in lcov's format: of each file `SF:path`, for each line `DA:number,times`,
@@ -113,7 +102,7 @@ mod tests {
         let files = read(REPORT);
         assert_eq!(files["/a.rs"], [(1, true), (2, false), (5, false), (6, true), (8, false)].into());
         assert_eq!(files["/b.rs"], [(4, true)].into());
-        assert_eq!(missed(&files["/a.rs"]), "2-5, 8");
+        assert_eq!(missed(&files["/a.rs"]), "2, 5, 8");
         assert_eq!(missed(&files["/b.rs"]), "");
     }
 

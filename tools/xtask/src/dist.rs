@@ -8,10 +8,9 @@ use crate::artefacts::{self, FirmwareBoard};
 use crate::stages::Stages;
 use crate::{install, shell};
 use anyhow::{Context, Result, bail};
-use flate2::{Compression, GzBuilder, read::GzDecoder};
 use std::ffi::OsStr;
-use std::fs::{self, File};
-use std::path::{Path, PathBuf};
+use std::fs;
+use std::path::Path;
 use std::process::Command;
 
 const STATIC: &str = "x86_64-unknown-linux-musl";
@@ -65,10 +64,10 @@ pub fn run() -> Result<()> {
     shell::run(shell::program(interface).arg(&folder))?;
     fs::remove_dir_all(folder.join("reference"))?;
     stages.run("licences", || licences(triple, &folder))?;
-    AS_THEY_ARE.iter().try_for_each(|own| copy(&shell::root().join(own), &folder.join(own)))?;
+    shell::run(shell::program("cp").arg("-r").args(AS_THEY_ARE).arg(&folder))?;
 
     let archive = dist.join(format!("{name}.tar.gz"));
-    stages.run("packing", || pack(&folder, &name, &archive))?;
+    stages.run("packing", || shell::pack(&dist, &[&name], &archive))?;
     stages.run("trying the archive", || try_out(&archive, &name))?;
     let sums = shell::captured(Command::new("sha256sum").arg(format!("{name}.tar.gz")).current_dir(&dist))?;
     fs::write(dist.join("SHA256SUMS"), &sums)?;
@@ -100,42 +99,7 @@ fn licences(triple: &str, folder: &Path) -> Result<()> {
     // The standard library is linked, too; some installations of Rust leave out its licences.
     let library = install::printed_by_rustc("sysroot")?.join("share/doc/rust/COPYRIGHT-library.html");
     if library.exists() {
-        copy(&library, &folder.join("LICENSES-RUST-LIBRARY.html"))?;
-    }
-    Ok(())
-}
-
-/// Copies a file, or a folder with all in it.
-fn copy(from: &Path, to: &Path) -> Result<()> {
-    if from.is_dir() {
-        fs::create_dir_all(to)?;
-        return sorted(from)?.iter().try_for_each(|path| copy(path, &to.join(path.file_name().unwrap_or_default())));
-    }
-    fs::copy(from, to).map(drop).with_context(|| format!("{} cannot be copied", from.display()))
-}
-
-fn sorted(folder: &Path) -> Result<Vec<PathBuf>> {
-    let entries = fs::read_dir(folder)?.map(|entry| Ok(entry?.path()));
-    let mut paths = entries.collect::<Result<Vec<_>>>()?;
-    paths.sort();
-    Ok(paths)
-}
-
-/// In the order of names, of nobody and of no day.
-fn pack(folder: &Path, name: &str, archive: &Path) -> Result<()> {
-    let mut tar = tar::Builder::new(GzBuilder::new().write(File::create(archive)?, Compression::best()));
-    tar.mode(tar::HeaderMode::Deterministic);
-    append(&mut tar, folder, Path::new(name))?;
-    tar.into_inner()?.finish()?;
-    Ok(())
-}
-
-fn append(tar: &mut tar::Builder<impl std::io::Write>, path: &Path, name: &Path) -> Result<()> {
-    tar.append_path_with_name(path, name)?;
-    if path.is_dir() {
-        for path in sorted(path)? {
-            append(tar, &path, &name.join(path.file_name().unwrap_or_default()))?;
-        }
+        fs::copy(&library, folder.join("LICENSES-RUST-LIBRARY.html"))?;
     }
     Ok(())
 }
@@ -147,7 +111,7 @@ fn try_out(archive: &Path, name: &str) -> Result<()> {
     if fresh.exists() {
         fs::remove_dir_all(&fresh)?;
     }
-    tar::Archive::new(GzDecoder::new(File::open(archive)?)).unpack(&fresh)?;
+    shell::unpack(archive, &fresh)?;
     let folder = fresh.join(name);
     let anemo = folder.join("anemo");
     let version = shell::captured(Command::new(&anemo).arg("--version"))?;
@@ -172,30 +136,4 @@ fn hash(anemo: &OsStr, folder: &Path, on: &str) -> Result<String> {
     run.args(["run", EXPERIMENT, "--json", "--on", on]).current_dir(folder).env_remove("ANEMO_FIRMWARE");
     let summary: serde_json::Value = serde_json::from_str(&shell::captured(&mut run)?)?;
     Ok(summary["hash"].as_str().context("the run has no hash")?.to_owned())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_folder_is_packed_alike_to_the_byte_whatever_its_dates() -> Result<()> {
-        let own = shell::target_directory()?.join("pack-test");
-        let folder = own.join("from");
-        copy(&shell::root().join("tools/xtask/src/pages"), &folder.join("pages"))?;
-        let packed = |name: &str| -> Result<Vec<u8>> {
-            let archive = own.join(name);
-            pack(&folder, "anemo", &archive)?;
-            Ok(fs::read(archive)?)
-        };
-        let first = packed("first.tar.gz")?;
-        fs::remove_dir_all(&folder)?;
-        copy(&shell::root().join("tools/xtask/src/pages"), &folder.join("pages"))?;
-        assert_eq!(first, packed("second.tar.gz")?);
-        let mut archive = tar::Archive::new(GzDecoder::new(first.as_slice()));
-        let names = archive.entries()?.map(|entry| Ok(entry?.path()?.into_owned())).collect::<Result<Vec<_>>>()?;
-        assert_eq!(names.first(), Some(&PathBuf::from("anemo")));
-        assert!(names.is_sorted() && names.contains(&PathBuf::from("anemo/pages/mod.rs")), "{names:?}");
-        Ok(fs::remove_dir_all(own)?)
-    }
 }

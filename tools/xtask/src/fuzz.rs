@@ -5,8 +5,6 @@
 //! people put together in `tools/fuzz/corpus/`, what was found in `tools/fuzz/found/`. The short run over all
 //! of that needs none of this: it is one of the tests.
 
-mod found;
-
 use crate::{install, shell};
 use anyhow::{Context, Result, bail};
 use std::path::{Path, PathBuf};
@@ -70,10 +68,13 @@ impl Fuzzer {
     /// Runs a target and keeps what it has found; gives a sentence if something did not hold.
     fn run(&self, name: &str, minutes: f64) -> Result<Option<String>> {
         let corpus = shell::root().join("tools/fuzz/corpus").join(name);
-        let kept = found::archive(name);
+        let kept = shell::root().join(format!("tools/fuzz/found/{name}.tar.gz"));
         let working = self.target_directory.join("found").join(name);
         let crashes = shell::root().join("tools/fuzz/artifacts").join(name);
-        found::unpack(&kept, &working)?;
+        std::fs::create_dir_all(&working).with_context(|| working.display().to_string())?;
+        if kept.exists() {
+            shell::unpack(&kept, &working)?;
+        }
         let before = files(&crashes).unwrap_or_default();
 
         let mut run = self.libfuzzer(name, &[&working, &corpus]);
@@ -111,10 +112,11 @@ impl Fuzzer {
         // Whether a place is reached counts, not how often: the latter keeps thousands.
         shell::run(merge.args(["-merge=1", "-use_counters=0", "-verbosity=0"]))?;
 
-        let is_by_hand = |path: &PathBuf| corpus.join(path.file_name().unwrap_or_default()).exists();
-        let chosen: Vec<PathBuf> = files(&chosen)?.into_iter().filter(|path| !is_by_hand(path)).collect();
-        let bytes = found::pack(&chosen, kept)?;
-        println!("  {} found inputs are kept in {}, {bytes} bytes", chosen.len(), kept.display());
+        let found = files(&chosen)?.into_iter().filter_map(|path| Some(path.file_name()?.to_owned()));
+        let found: Vec<_> = found.filter(|name| !corpus.join(name).exists()).collect();
+        shell::pack(&chosen, &found, kept)?;
+        let bytes = std::fs::metadata(kept)?.len();
+        println!("  {} found inputs are kept in {}, {bytes} bytes", found.len(), kept.display());
         Ok(())
     }
 
@@ -125,16 +127,8 @@ impl Fuzzer {
         // Without a sanitizer: what is fuzzed has no `unsafe`, and so it is tried twice as often.
         // Overflows and assertions are checked. In units, since in one the largest crate alone
         // takes many minutes to compile.
-        command.arg(&self.program).args([
-            "fuzz",
-            "run",
-            "--fuzz-dir",
-            "tools/fuzz",
-            "--sanitizer",
-            "none",
-            "--codegen-units",
-            "16",
-        ]);
+        command.arg(&self.program).args(["fuzz", "run", "--fuzz-dir", "tools/fuzz", "--sanitizer", "none"]);
+        command.args(["--codegen-units", "16"]);
         command.arg("--target-dir").arg(&self.target_directory).arg(name).args(folders).arg("--");
         command
     }

@@ -1,7 +1,7 @@
 //! Finds out what is missing on this computer and installs it where that is allowed.
 //!
 //! Targets, toolchains and LLVM's tools come by rustup, QEMU, ngspice, Python, cmake and libclang
-//! by the system's packages, Python's packages by pip, the rest by cargo. Whatever cannot be
+//! by Debian's and Ubuntu's packages, Python's packages by pip, the rest by cargo. Whatever cannot be
 //! installed is named together with the line to type.
 
 use crate::shell;
@@ -51,38 +51,9 @@ impl Tool {
     }
 }
 
-/// A system's package manager and what it is told before the name of a package. The lists of
-/// packages come first, where an install would otherwise not find any.
-struct PackageManager {
-    name: &'static str,
-    refresh: Option<&'static str>,
-    install: &'static str,
-}
-
-const MANAGERS: [PackageManager; 4] = [
-    PackageManager { name: "apt-get", refresh: Some("update -qq"), install: "install -y -qq --no-install-recommends" },
-    PackageManager { name: "dnf", refresh: None, install: "install -y" },
-    PackageManager { name: "pacman", refresh: None, install: "-Sy --noconfirm --needed" },
-    PackageManager { name: BREW, refresh: None, install: "install" },
-];
-/// The one that does not want to be run by root.
-const BREW: &str = "brew";
-/// QEMU for Arm and Python with its environments, as these managers call them.
-const QEMU_PACKAGES: [&str; 4] = ["qemu-system-arm", "qemu-system-arm-core", "qemu-system-arm", "qemu"];
-const NGSPICE_PACKAGES: [&str; 4] = [NGSPICE; 4];
-/// What builds the emulated core of `silicon`: cmake, and libclang with its headers.
-const CMAKE_PACKAGES: [&str; 4] = ["cmake", "cmake", "cmake", "cmake"];
-const LIBCLANG_PACKAGES: [&str; 4] = ["libclang-dev", "clang-devel", "clang", "llvm"];
-/// Where systems keep their libraries, beside a folder for each version of LLVM.
-const LIBRARY_FOLDERS: [&str; 6] = [
-    "/usr/lib",
-    "/usr/lib64",
-    "/usr/lib/x86_64-linux-gnu",
-    "/usr/lib/aarch64-linux-gnu",
-    "/usr/local/opt/llvm/lib",
-    "/opt/homebrew/opt/llvm/lib",
-];
-const PYTHON_PACKAGES: [&str; 4] = ["python3-venv", "python3", "python", "python"];
+/// Where Debian and others keep their libraries, except for LLVM's own folders.
+const LIBRARY_FOLDERS: [&str; 4] =
+    ["/usr/lib", "/usr/lib64", "/usr/lib/x86_64-linux-gnu", "/usr/lib/aarch64-linux-gnu"];
 /// What Python has beside itself for the pages that use it.
 const PYTHON_REQUIREMENTS: &str = "tools/xtask/python-requirements.txt";
 
@@ -195,20 +166,19 @@ pub fn lint_tools() -> Result<()> {
 
 /// The emulator.
 pub fn qemu() -> Result<()> {
-    system_package(QEMU, "https://www.qemu.org/download", &QEMU_PACKAGES, || shell::answers(QEMU, &["--version"]))
+    package(QEMU, || shell::answers(QEMU, &["--version"]))
 }
 
 /// The simulator of circuits.
 pub fn ngspice() -> Result<()> {
-    let is_there = || shell::answers(NGSPICE, &["--version"]);
-    system_package(NGSPICE, "https://ngspice.sourceforge.io", &NGSPICE_PACKAGES, is_there)
+    package(NGSPICE, || shell::answers(NGSPICE, &["--version"]))
 }
 
 /// What the crate `silicon` needs beside the compiler: its emulated core is C, and the binding to
 /// it is made as it is built.
 pub fn emulated_core() -> Result<()> {
-    system_package("cmake", "https://cmake.org/download", &CMAKE_PACKAGES, || shell::answers("cmake", &["--version"]))?;
-    system_package("libclang", "https://releases.llvm.org", &LIBCLANG_PACKAGES, has_libclang)
+    package("cmake", || shell::answers("cmake", &["--version"]))?;
+    package("libclang-dev", has_libclang)
 }
 
 /// Whether the library is where its binding looks for it.
@@ -218,7 +188,7 @@ fn has_libclang() -> bool {
     let is_libclang = |file: PathBuf| {
         let name = name_of(&file);
         (name.starts_with("libclang.") || name.starts_with("libclang-1") || name.starts_with("libclang-2"))
-            && (name.contains(".so") || name.ends_with(".dylib"))
+            && name.contains(".so")
     };
     std::env::var_os("LIBCLANG_PATH").is_some() || folders.flat_map(|folder| files_of(&folder)).any(is_libclang)
 }
@@ -249,9 +219,7 @@ pub fn python_environment(name: &str, requirements: &str) -> Result<PathBuf> {
     if std::fs::read_to_string(&installed).is_ok_and(|text| text == wanted_text) {
         return Ok(programs);
     }
-    system_package("Python with venv", "https://www.python.org/downloads", &PYTHON_PACKAGES, || {
-        shell::answers("python3", &["-c", "import ensurepip, venv"])
-    })?;
+    package("python3-venv", || shell::answers("python3", &["-c", "import ensurepip, venv"]))?;
     shell::announce(&format!("installing Python's packages of {requirements} into {}", environment.display()));
     shell::run(shell::program("python3").args(["-m", "venv", "--clear"]).arg(&environment))?;
     let mut pip = shell::program(programs.join("pip"));
@@ -260,47 +228,36 @@ pub fn python_environment(name: &str, requirements: &str) -> Result<PathBuf> {
     Ok(programs)
 }
 
-/// A package that has the same name wherever there is one.
-pub fn package_of_program(program: &str, package: &str) -> Result<()> {
-    system_package(program, "from its authors", &[package; 4], || is_on_path(program))
-}
-
 /// Whether a program is there. Servers may be where only root's path leads.
 pub fn is_on_path(program: &str) -> bool {
     let path = std::env::var_os("PATH").unwrap_or_default();
     std::env::split_paths(&path).chain([PathBuf::from("/usr/sbin")]).any(|folder| folder.join(program).is_file())
 }
 
-/// A package of the system, by the name that each of [`MANAGERS`] has for it, if `is_there` misses
-/// it.
-fn system_package(what: &str, source: &str, packages: &[&str; 4], is_there: impl Fn() -> bool) -> Result<()> {
+/// A package of the system, if `is_there` misses it.
+pub fn package(name: &str, is_there: impl Fn() -> bool) -> Result<()> {
     if is_there() {
         return Ok(());
     }
-    let found = MANAGERS.iter().zip(packages).find(|(manager, _)| shell::answers(manager.name, &["--version"]));
-    let Some((manager, package)) = found else {
-        bail!("{what} is missing; install it ({source}) and start again");
-    };
-    let install = format!("{} {package}", manager.install);
-    let commands: Vec<&str> = manager.refresh.into_iter().chain([install.as_str()]).collect();
+    if !shell::answers("apt-get", &["--version"]) {
+        bail!("{name} is missing; install it (the package of Debian is called so) and start again");
+    }
     let is_root = shell::output_of("id", &["-u"]).is_some_and(|id| id == "0");
-    let sudo = manager.name != BREW && !is_root;
-    if !sudo || shell::answers("sudo", &["-n", "true"]) {
-        shell::announce(&format!("installing {what} with {}", manager.name));
-        for arguments in &commands {
-            let mut command = shell::program(if sudo { "sudo" } else { manager.name });
-            if sudo {
-                command.args(["-n", "env", "DEBIAN_FRONTEND=noninteractive", manager.name]);
-            }
+    // Lists of packages come first: an install would otherwise not find any.
+    let commands = ["apt-get update -qq".to_owned(), format!("apt-get install -y -qq --no-install-recommends {name}")];
+    if is_root || shell::answers("sudo", &["-n", "true"]) {
+        shell::announce(&format!("installing {name} with apt-get"));
+        for command in &commands {
+            let words =
+                format!("{}env DEBIAN_FRONTEND=noninteractive {command}", if is_root { "" } else { "sudo -n " });
+            let mut words = words.split(' ');
             // A refresh that fails for one of many sources is no reason to give up: what counts is
             // whether the package is there afterwards.
-            let _ = shell::run(command.env("DEBIAN_FRONTEND", "noninteractive").args(arguments.split(' ')));
+            let _ = shell::run(shell::program(words.next().unwrap_or_default()).args(words));
         }
     }
     if !is_there() {
-        let start = if manager.name == BREW { BREW.to_owned() } else { format!("sudo {}", manager.name) };
-        let lines: Vec<_> = commands.iter().map(|arguments| format!("{start} {arguments}")).collect();
-        bail!("{what} is missing and cannot be installed from here; type: {}", lines.join(" && "));
+        bail!("{name} is missing and cannot be installed from here; type: sudo {}", commands.join(" && sudo "));
     }
     Ok(())
 }

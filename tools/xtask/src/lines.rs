@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 /// Crates that are there to test others.
 const TEST_EQUIPMENT: [&str; 3] = ["fuzz", "silicon", "tests"];
 /// First line of a file that a job has written.
-const GENERATED: &str = "# Written by `cargo xtask";
+const GENERATED_MARK: &str = "# Written by `cargo xtask";
 
 #[derive(clap::Args, Default)]
 pub struct LinesOptions {
@@ -30,14 +30,14 @@ pub struct LinesOptions {
     root: Option<PathBuf>,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct LineCount {
-    code: usize,
-    doc_comments: usize,
-    tests: usize,
-    examples: usize,
-    generated: usize,
-}
+/// Lines by column.
+type LineCount = [usize; COLUMNS.len()];
+const COLUMNS: [&str; 5] = ["code", "doc comments", "tests", "examples", "generated"];
+const CODE: usize = 0;
+const DOC_COMMENTS: usize = 1;
+const TESTS: usize = 2;
+const EXAMPLES: usize = 3;
+const GENERATED: usize = 4;
 
 pub fn run(options: &LinesOptions) -> Result<()> {
     let root = options.root.clone().unwrap_or_else(shell::root);
@@ -52,22 +52,14 @@ pub fn run(options: &LinesOptions) -> Result<()> {
             add_python(counts.entry(name(&sources::crate_folder(&root, &path))).or_default(), &path, &text);
         }
     }
-    let sum = |of: fn(&LineCount) -> usize| counts.values().map(of).sum();
-    let all = LineCount {
-        code: sum(|count| count.code),
-        doc_comments: sum(|count| count.doc_comments),
-        tests: sum(|count| count.tests),
-        examples: sum(|count| count.examples),
-        generated: sum(|count| count.generated),
+    let all: LineCount = std::array::from_fn(|column| counts.values().map(|count| count[column]).sum());
+    let print = |name: &str, cells: [String; COLUMNS.len()]| {
+        let [code, docs, tests, examples, generated] = cells;
+        println!("{name:<16} {code:>8} {docs:>12} {tests:>8} {examples:>8} {generated:>9}");
     };
-    println!(
-        "{:<16} {:>8} {:>12} {:>8} {:>8} {:>9}",
-        "lines", "code", "doc comments", "tests", "examples", "generated"
-    );
-    for (name, count) in counts.iter().map(|(name, count)| (name.as_str(), count)).chain([("all", &all)]) {
-        let LineCount { code, doc_comments, tests, examples, generated } = count;
-        println!("{name:<16} {code:>8} {doc_comments:>12} {tests:>8} {examples:>8} {generated:>9}");
-    }
+    print("lines", COLUMNS.map(str::to_owned));
+    counts.iter().for_each(|(name, count)| print(name, count.map(|lines| lines.to_string())));
+    print("all", all.map(|lines| lines.to_string()));
     let mut words: BTreeMap<String, usize> = BTreeMap::new();
     for path in pages::all(&root)? {
         let page = path.strip_prefix(&root).unwrap_or(&path).with_extension("");
@@ -93,10 +85,9 @@ fn add_rust(count: &mut LineCount, file: &RustFile) {
     let is_equipment = TEST_EQUIPMENT.contains(&name(&file.crate_folder).as_str());
     for (kind, &is_test) in file.kinds.iter().zip(&file.in_tests) {
         match kind {
-            LineKind::Code if file.is_example() => count.examples += 1,
-            LineKind::Code if is_test || is_equipment => count.tests += 1,
-            LineKind::Code => count.code += 1,
-            LineKind::Documentation if !is_test && !is_equipment => count.doc_comments += 1,
+            LineKind::Code if file.is_example() => count[EXAMPLES] += 1,
+            LineKind::Code => count[if is_test || is_equipment { TESTS } else { CODE }] += 1,
+            LineKind::Documentation if !is_test && !is_equipment => count[DOC_COMMENTS] += 1,
             LineKind::Documentation | LineKind::Empty => (),
         }
     }
@@ -121,16 +112,16 @@ fn add_python(count: &mut LineCount, path: &str, text: &str) {
             open = if open.is_none() { Some(kind) } else { None };
         }
     }
-    if text.starts_with(GENERATED) {
-        count.generated += code;
-    } else if is_in(&["tests"]) {
-        count.tests += code;
-    } else if is_in(&["examples", "benches", "gallery"]) {
-        count.examples += code;
-    } else {
-        count.code += code;
-        count.doc_comments += docstrings;
-    }
+    let column = match () {
+        () if text.starts_with(GENERATED_MARK) => GENERATED,
+        () if is_in(&["tests"]) => TESTS,
+        () if is_in(&["examples", "benches", "gallery"]) => EXAMPLES,
+        () => {
+            count[DOC_COMMENTS] += docstrings;
+            CODE
+        }
+    };
+    count[column] += code;
 }
 
 #[cfg(test)]
@@ -145,7 +136,7 @@ mod tests {
             let kinds = vec![Documentation, Empty, Documentation, Code, Code];
             let (path, crate_folder, text) = (path.into(), crate_folder.into(), String::new());
             add_rust(&mut count, &RustFile { path, crate_folder, text, in_tests: in_tests.to_vec(), kinds });
-            (count.code, count.doc_comments, count.tests, count.examples)
+            (count[CODE], count[DOC_COMMENTS], count[TESTS], count[EXAMPLES])
         };
         assert_eq!(count("crates/a/src/lib.rs", "crates/a", [false; 5]), (2, 2, 0, 0));
         assert_eq!(count("a/src/b.rs", "a", [false, false, true, true, false]), (1, 1, 1, 0));
@@ -162,10 +153,10 @@ mod tests {
             add_python(&mut count, path, text);
             count
         };
-        assert_eq!(count("p/a.py", text), LineCount { code: 4, doc_comments: 4, ..LineCount::default() });
-        assert_eq!(count("p/tests/a.py", text), LineCount { tests: 4, ..LineCount::default() });
-        assert_eq!(count("p/gallery/a.py", text), LineCount { examples: 4, ..LineCount::default() });
-        let written = format!("{GENERATED} reference`.\n{text}");
-        assert_eq!(count("p/a.py", &written), LineCount { generated: 4, ..LineCount::default() });
+        assert_eq!(count("p/a.py", text), [4, 4, 0, 0, 0]);
+        assert_eq!(count("p/tests/a.py", text), [0, 0, 4, 0, 0]);
+        assert_eq!(count("p/gallery/a.py", text), [0, 0, 0, 4, 0]);
+        let written = format!("{GENERATED_MARK} reference`.\n{text}");
+        assert_eq!(count("p/a.py", &written), [0, 0, 0, 0, 4]);
     }
 }

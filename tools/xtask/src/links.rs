@@ -1,5 +1,5 @@
 //! Checks that relative links between the project's Markdown pages lead somewhere: the file exists,
-//! and so does the heading behind a `#`.
+//! and so does the heading behind a `#`. The book lists every page of `docs`.
 //!
 //! Understood are `[text](target)`, `![text](target)`, `[name]: target` and `src="…"`, `href="…"`;
 //! code is skipped, addresses of the web are not followed.
@@ -12,6 +12,8 @@ use std::path::Path;
 /// Templates: their links are those of the pages in `docs/results` that are made from them, which
 /// are checked there.
 const TEMPLATES: &str = "crates/studies/src";
+/// Pages of the book, in the folder `docs`.
+const SUMMARY: &str = "SUMMARY.md";
 
 pub fn run() -> Result<()> {
     let mut broken = Vec::new();
@@ -24,6 +26,14 @@ pub fn run() -> Result<()> {
                 let shown = page.strip_prefix(shell::root()).unwrap_or(page).display();
                 broken.push(format!("{shown}:{line}: {target}: {fault}"));
             }
+        }
+    }
+    let book = shell::root().join("docs");
+    let listed = std::fs::read_to_string(book.join(SUMMARY))?;
+    for page in pages.iter().filter_map(|page| page.strip_prefix(&book).ok()).filter(|page| *page != Path::new(SUMMARY))
+    {
+        if !listed.contains(&format!("]({})", page.display())) {
+            broken.push(format!("docs/{}: is not listed in docs/{SUMMARY}", page.display()));
         }
     }
     if !broken.is_empty() {

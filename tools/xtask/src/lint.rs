@@ -1,10 +1,10 @@
-//! Everything that is checked by reading: links, lines, format, clippy on both sides,
+//! Everything that is checked by reading: links, format, clippy on both sides,
 //! documentation.
 
 use crate::artefacts::{FirmwareBoard, LINKER_VARIABLE};
 use crate::install::{self, TARGET};
 use crate::lines::{self, LinesOptions};
-use crate::{features, limits, links, shell};
+use crate::{features, links, shell};
 use anyhow::{Context, Result};
 
 pub fn run() -> Result<()> {
@@ -13,8 +13,6 @@ pub fn run() -> Result<()> {
     install::emulated_core()?;
     shell::announce("links between pages");
     links::run()?;
-    shell::announce("length of pages, and whether the book lists them");
-    limits::run()?;
     shell::announce("lines of code, words of pages");
     lines::run(&LinesOptions::default())?;
     shell::announce("features of packages that several builds share");

@@ -107,7 +107,8 @@ fn images() -> Result<[PathBuf; 2]> {
     Ok([artefacts::firmware(FirmwareBoard::Virtual)?, artefacts::firmware(FirmwareBoard::Sensor)?])
 }
 
-fn cargo_test(tier: Tier) -> Command {
+/// A job of `cargo test` for the crates of a tier.
+pub fn cargo_test(tier: Tier) -> Command {
     let mut cargo = shell::cargo_of_all("test");
     // Its own tests run in the profile in which it is built already.
     cargo.args(["--exclude", "xtask"]);

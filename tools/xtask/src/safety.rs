@@ -4,12 +4,14 @@
 //! What is found in an image is the work of `image-analysis`; what of it is allowed stands here.
 
 use crate::artefacts::{self, FirmwareBoard};
-use crate::{install, overflow, shell, stated};
+use crate::{emulator, install, shell, stated};
 use anyhow::{Context, Result, bail};
 use image_analysis::call_graph::CallGraph;
 use image_analysis::code::ImageCode;
 use image_analysis::panics::{self, Rules};
 use image_analysis::stack::{self, EXCEPTION_FRAME};
+use std::process::Stdio;
+use std::time::Duration;
 
 const RULES: Rules = Rules {
     idle: "firmware::app::idle",
@@ -43,6 +45,15 @@ const STACK_CELL: &str = "[in storage and logger](../explanation/safety-campaign
 /// The tasks with their priorities.
 const TASKS: &str = "firmware/src/main.rs";
 
+/// What `firmware/src/bin/overflow.rs` ends with when the overflow became a fault, the heaters were
+/// put low and its statics are whole.
+const FAULTED: i32 = 102;
+const TIME_LIMIT: Duration = Duration::from_secs(20);
+
+/// The ways in which it overflows.
+const WAYS: [(&str, &str); 2] =
+    [("call", "a function that calls itself"), ("interrupt", "an interrupt at the end of the stack")];
+
 pub fn run() -> Result<()> {
     install::thumb_target()?;
     install::flip_link()?;
@@ -59,7 +70,7 @@ pub fn run() -> Result<()> {
             .extend(checked.into_iter().filter_map(Result::err).map(|fault| format!("{}: {fault:#}", board.feature())));
         println!("  {:<40} {reachable:>8} of {}", "functions that run after start-up", graph.functions.len());
     }
-    faults.extend(overflow::run().context("overflow").err().map(|fault| format!("{fault:#}")));
+    faults.extend(overflow().context("overflow").err().map(|fault| format!("{fault:#}")));
     faults.extend(stated::check(NUMBERS, STACK_CELL, &stacks_kib).err().map(|fault| format!("{fault:#}")));
     if !faults.is_empty() {
         bail!("{}", faults.join("\n"));
@@ -107,6 +118,22 @@ fn check_stack(graph: &CallGraph) -> Result<u32> {
         bail!("{total} bytes of stack may be needed, there are {}", top - bottom);
     }
     Ok(total)
+}
+
+/// Runs the image that overflows its stack, and expects the fault handler's exit code.
+fn overflow() -> Result<()> {
+    let elf = artefacts::image("overflow", FirmwareBoard::Virtual)?;
+    println!();
+    for (way, what) in WAYS {
+        let mut qemu = emulator::command(&["overflow", way]);
+        let mut child = emulator::start(qemu.stdout(Stdio::null()).arg("-kernel").arg(&elf))?;
+        let status = emulator::wait(&mut child, TIME_LIMIT).context(what)?;
+        if status.code() != Some(FAULTED) {
+            bail!("{what} ended with {status} instead of a fault ({FAULTED})");
+        }
+        println!("  {what}: a fault, heaters low, statics whole");
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -90,6 +90,23 @@ pub fn both<A: Send, B>(aside: impl FnOnce() -> Result<A> + Send, work: impl FnO
     })
 }
 
+/// Packs entries of a folder in the order of their names, without dates and owners: the same files
+/// are the same bytes.
+pub fn pack(folder: &Path, entries: &[impl AsRef<OsStr>], archive: &Path) -> Result<()> {
+    let mut tar = Command::new("tar");
+    tar.args(["--sort=name", "--mtime=@0", "--owner=0", "--group=0", "--numeric-owner", "--mode=go=rX,u+rw,a-s"]);
+    // Without its own name and date.
+    tar.args(["--use-compress-program=gzip -9n", "-cf"]).arg(archive).arg("-C").arg(folder);
+    // An archive of nothing is wanted, too.
+    run(tar.args(["--files-from", "/dev/null"]).args(entries))
+}
+
+/// Unpacks an archive into a folder.
+pub fn unpack(archive: &Path, folder: &Path) -> Result<()> {
+    std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    run(Command::new("tar").arg("-xzf").arg(archive).arg("-C").arg(folder))
+}
+
 fn no_start(command: &Command) -> String {
     format!("`{}` cannot be started", line(command))
 }
@@ -128,6 +145,24 @@ mod tests {
     fn a_failing_program_is_named_with_its_arguments() {
         let error = run(Command::new("/nonexistent/probe-rs").arg("list")).expect_err("there is no such program");
         assert!(format!("{error:#}").starts_with("`probe-rs list` cannot be started"), "{error:#}");
+    }
+
+    #[test]
+    fn a_folder_is_packed_alike_to_the_byte_whatever_its_dates() -> Result<()> {
+        let own = std::env::temp_dir().join(format!("anemo-packed-{}", std::process::id()));
+        let packed = |name: &str, order: [&str; 2]| -> Result<Vec<u8>> {
+            let folder = own.join("from");
+            std::fs::create_dir_all(&folder)?;
+            order.iter().try_for_each(|file| std::fs::write(folder.join(file), format!("\0{file}")))?;
+            std::thread::sleep(std::time::Duration::from_millis(20));
+            pack(&own, &["from"], &own.join(name))?;
+            std::fs::remove_dir_all(folder)?;
+            Ok(std::fs::read(own.join(name))?)
+        };
+        assert_eq!(packed("first.tar.gz", ["b", "a"])?, packed("second.tar.gz", ["a", "b"])?);
+        unpack(&own.join("first.tar.gz"), &own.join("to"))?;
+        assert_eq!(std::fs::read(own.join("to/from/b"))?, b"\0b");
+        Ok(std::fs::remove_dir_all(own)?)
     }
 
     #[test]

@@ -2,12 +2,10 @@
 //!
 //! Tests are: files in a crate's folders `tests`, `benches` and `examples`, in any folder `tests` of
 //! its sources, and files called `tests.rs`; modules and items whose `cfg` names `test` or the
-//! feature `testing`, outside of `not`.
+//! feature `testing`, outside of `not`. Sources are taken as rustfmt writes them.
 
-use anyhow::{Context, Result, anyhow};
-use proc_macro2::{Delimiter, TokenStream, TokenTree};
+use anyhow::{Context, Result};
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
 const EXAMPLE_FOLDERS: [&str; 2] = ["benches", "examples"];
 
@@ -52,7 +50,7 @@ pub fn rust_files(root: &Path) -> Result<Vec<RustFile>> {
         let crate_folder = crate_folder(root, &path);
         files.push(RustFile { path, crate_folder, text, in_tests: Vec::new(), kinds: Vec::new() });
     }
-    mark(&mut files)?;
+    mark(&mut files);
     Ok(files)
 }
 
@@ -80,16 +78,18 @@ pub fn files_with_extension(folder: &Path, extension: &str) -> Result<Vec<PathBu
     Ok(found)
 }
 
-fn mark(files: &mut [RustFile]) -> Result<()> {
+fn mark(files: &mut [RustFile]) {
     let mut test_modules = Vec::new();
     for file in &mut *files {
-        let mut marks = Marks::new(&file.text);
-        let tokens = TokenStream::from_str(&file.text);
-        marks.read(tokens.map_err(|error| anyhow!("{} cannot be read: {error}", file.path))?);
+        let lines = scan(&file.text);
+        file.kinds = lines.iter().map(|line| line.kind).collect();
+        file.in_tests = in_tests(&lines);
         let path = file.path.trim_end_matches(".rs");
         let folder = ["/mod", "/lib", "/main"].iter().find_map(|root| path.strip_suffix(root)).unwrap_or(path);
-        test_modules.extend(marks.test_modules.iter().map(|name| format!("{folder}/{name}")));
-        (file.in_tests, file.kinds) = (marks.in_tests, marks.kinds);
+        let names = lines.iter().zip(&file.in_tests).filter(|(_, is_test)| **is_test);
+        let names =
+            names.filter_map(|(line, _)| line.code.strip_suffix(';')?.rsplit_once("mod ").map(|(_, name)| name));
+        test_modules.extend(names.map(|name| format!("{folder}/{name}")));
     }
     for file in files {
         let is_below =
@@ -99,126 +99,122 @@ fn mark(files: &mut [RustFile]) -> Result<()> {
             file.in_tests.fill(true);
         }
     }
-    Ok(())
 }
 
-/// What is found out about the lines of a file.
-struct Marks<'a> {
-    lines: Vec<&'a str>,
-    in_tests: Vec<bool>,
-    kinds: Vec<LineKind>,
-    /// Names of modules in files of their own that are there for tests only.
-    test_modules: Vec<String>,
+/// A line as far as it matters here.
+struct ScannedLine {
+    kind: LineKind,
+    /// Without comments and what stands within quotes.
+    code: String,
+    /// Brackets that are open after it.
+    depth: i32,
+    /// Whether it holds `"testing"`.
+    names_testing: bool,
 }
 
-impl Marks<'_> {
-    fn new(text: &str) -> Marks<'_> {
-        let lines: Vec<&str> = text.lines().collect();
-        let (in_tests, kinds) = (vec![false; lines.len()], vec![LineKind::Empty; lines.len()]);
-        Marks { lines, in_tests, kinds, test_modules: Vec::new() }
+/// Reads all lines, with texts and comments that go on over several of them.
+fn scan(text: &str) -> Vec<ScannedLine> {
+    /// What a line begins within.
+    enum Open {
+        Code,
+        /// A text that ends so.
+        Text(String),
+        Comment,
     }
-
-    /// Marks the lines of these tokens and of those in the brackets among them.
-    fn read(&mut self, tokens: TokenStream) {
-        let tokens: Vec<TokenTree> = tokens.into_iter().collect();
-        let is_inner = |tokens: &[TokenTree]| is_mark(&tokens[1], '!') && is_for_tests(&tokens[0], &tokens[2]);
-        if tokens.windows(3).any(is_inner) {
-            self.mark_tests(&tokens);
-        }
-        let mut end_of_tests = 0;
-        for (at, token) in tokens.iter().enumerate() {
-            let attributes = tokens[at..].chunks_exact(2).take_while(|pair| is_attribute(&pair[0], &pair[1]));
-            if at >= end_of_tests && attributes.clone().any(|pair| is_for_tests(&pair[0], &pair[1])) {
-                let attributes = 2 * attributes.count();
-                end_of_tests = at + attributes + item_length(&tokens[at + attributes..]);
-                self.mark_tests(&tokens[at..end_of_tests]);
-                if let [.., word, TokenTree::Ident(name), end] = &tokens[at..end_of_tests]
-                    && is_word(word, "mod")
-                    && is_mark(end, ';')
-                {
-                    self.test_modules.push(name.to_string());
+    let (mut open, mut depth) = (Open::Code, 0);
+    let scanned = |line: &str| {
+        let trimmed = line.trim_start();
+        let is_documentation = matches!(open, Open::Code)
+            && (trimmed.starts_with("//!") || trimmed.starts_with("///") && !trimmed.starts_with("////"));
+        let mut has_code = matches!(open, Open::Text(_)) && !trimmed.is_empty();
+        let (mut rest, mut code) = (line, String::new());
+        while let Some(next) = rest.chars().next() {
+            let mut length = next.len_utf8();
+            match &open {
+                Open::Text(end) if rest.starts_with(&**end) => {
+                    length = end.len();
+                    code.push('"');
+                    open = Open::Code;
                 }
-            }
-            self.mark_kind(token);
-        }
-    }
-
-    fn mark_tests(&mut self, tokens: &[TokenTree]) {
-        if let [first, .., last] = tokens {
-            self.in_tests[first.span().start().line - 1..last.span().end().line].fill(true);
-        }
-    }
-
-    fn mark_kind(&mut self, token: &TokenTree) {
-        let (start, end) = (token.span().start(), token.span().end());
-        // A comment of documentation is read as an attribute that stands in its place.
-        let source: String = self.lines[start.line - 1].chars().skip(start.column).take(2).collect();
-        let kind = if ["//", "/*"].contains(&source.as_str()) { LineKind::Documentation } else { LineKind::Code };
-        match token {
-            TokenTree::Group(group) if kind == LineKind::Code => {
-                self.kinds[start.line - 1] = kind;
-                self.kinds[end.line - 1] = kind;
-                self.read(group.stream());
-            }
-            _ => {
-                for line in start.line - 1..end.line {
-                    if self.kinds[line] != LineKind::Code && !self.lines[line].trim().is_empty() {
-                        self.kinds[line] = kind;
+                Open::Text(end) if next == '\\' && end == "\"" => length = rest.len().min(2),
+                Open::Comment if rest.starts_with("*/") => (open, length) = (Open::Code, 2),
+                Open::Text(_) | Open::Comment => {}
+                Open::Code if rest.starts_with("//") => break,
+                Open::Code if rest.starts_with("/*") => (open, length) = (Open::Comment, 2),
+                Open::Code => {
+                    let hashes = rest.strip_prefix('r').map_or(0, |raw| raw.len() - raw.trim_start_matches('#').len());
+                    let is_word = code.ends_with(|c: char| c.is_alphanumeric() && c != 'b' || c == '_');
+                    if !is_word && next == 'r' && rest[1 + hashes..].starts_with('"') {
+                        length = 2 + hashes;
+                        open = Open::Text(format!("\"{}", "#".repeat(hashes)));
+                        code.push('"');
+                    } else if next == '"' {
+                        open = Open::Text("\"".to_owned());
+                        code.push('"');
+                    } else if next == '\''
+                        && let Some(letter) = letter(rest)
+                    {
+                        length = letter;
+                    } else {
+                        depth += i32::from("([{".contains(next)) - i32::from(")]}".contains(next));
+                        code.push(next);
                     }
                 }
             }
+            rest = rest.get(length..).unwrap_or_default();
         }
-    }
-}
-
-fn is_mark(token: &TokenTree, mark: char) -> bool {
-    matches!(token, TokenTree::Punct(own) if own.as_char() == mark)
-}
-
-fn is_word(token: &TokenTree, word: &str) -> bool {
-    matches!(token, TokenTree::Ident(own) if own == word)
-}
-
-fn is_attribute(mark: &TokenTree, group: &TokenTree) -> bool {
-    is_mark(mark, '#') && matches!(group, TokenTree::Group(group) if group.delimiter() == Delimiter::Bracket)
-}
-
-/// Whether these are `#` and a `[cfg(…)]` that names tests.
-fn is_for_tests(mark: &TokenTree, group: &TokenTree) -> bool {
-    let TokenTree::Group(attribute) = group else { return false };
-    let tokens: Vec<TokenTree> = attribute.stream().into_iter().collect();
-    is_mark(mark, '#') && tokens.first().is_some_and(|name| is_word(name, "cfg")) && names_tests(&tokens)
-}
-
-fn names_tests(tokens: &[TokenTree]) -> bool {
-    let is_negated = |at: usize| at > 0 && is_word(&tokens[at - 1], "not");
-    tokens.iter().enumerate().any(|(at, token)| match token {
-        TokenTree::Group(group) => !is_negated(at) && names_tests(&group.stream().into_iter().collect::<Vec<_>>()),
-        TokenTree::Literal(literal) => literal.to_string() == "\"testing\"",
-        token => is_word(token, "test"),
-    })
-}
-
-/// Number of tokens of an item, a field, a variant or a branch: up to its semicolon, its comma or
-/// the brace of its body.
-fn item_length(tokens: &[TokenTree]) -> usize {
-    let word = tokens.iter().find_map(|token| match token {
-        TokenTree::Ident(word) if word != "pub" => Some(word.to_string()),
-        _ => None,
-    });
-    let is_value = matches!(word.as_deref(), Some("let" | "use" | "const" | "static" | "type"))
-        && !tokens.iter().take(4).any(|token| is_word(token, "fn"));
-    let is_item = ["fn", "mod", "struct", "enum", "union", "impl", "trait", "unsafe", "async", "extern", "const"];
-    let may_have_comma = word.is_some_and(|word| is_item.contains(&word.as_str()));
-    let is_brace =
-        |token: &TokenTree| matches!(token, TokenTree::Group(group) if group.delimiter() == Delimiter::Brace);
-    let ends = |&at: &usize| {
-        let is_followed = tokens.get(at + 1).is_some_and(|next| is_mark(next, ';') || is_mark(next, ','));
-        is_mark(&tokens[at], ';')
-            || !is_value && is_brace(&tokens[at]) && !is_followed
-            || !is_value && !may_have_comma && is_mark(&tokens[at], ',')
+        has_code |= !code.trim().is_empty();
+        let kind = match (is_documentation, has_code) {
+            (true, _) => LineKind::Documentation,
+            (false, true) => LineKind::Code,
+            (false, false) => LineKind::Empty,
+        };
+        let names_testing = line.contains("\"testing\"");
+        ScannedLine { kind, code: code.trim().to_owned(), depth, names_testing }
     };
-    (0..tokens.len()).find(ends).map_or(tokens.len(), |at| at + 1)
+    text.lines().map(scanned).collect()
+}
+
+/// Bytes of a letter between quotes, which begins here; a lifetime has no second one.
+fn letter(text: &str) -> Option<usize> {
+    let mut letters = text.char_indices().skip(1);
+    let (_, first) = letters.next()?;
+    let end = if first == '\\' { text[3..].find('\'').map(|at| at + 3) } else { letters.next().map(|(at, _)| at) };
+    end.filter(|&at| text[at..].starts_with('\'')).map(|at| at + 1)
+}
+
+/// Lines of modules, items, fields and branches that are for tests, attributes included.
+fn in_tests(lines: &[ScannedLine]) -> Vec<bool> {
+    let is_attribute = |line: &ScannedLine| line.code.starts_with("#[") || line.kind == LineKind::Documentation;
+    let mut marks = vec![false; lines.len()];
+    if lines.iter().any(|line| line.code.starts_with("#![cfg(") && is_for_tests(line)) {
+        marks.fill(true);
+    }
+    for (at, line) in lines.iter().enumerate() {
+        if marks[at] || !line.code.starts_with("#[cfg(") || !is_for_tests(line) {
+            continue;
+        }
+        let before = lines[..at].iter().rev().take_while(|line| is_attribute(line)).count();
+        let first = at + lines[at..].iter().take_while(|line| is_attribute(line)).count();
+        let is_value = lines.get(first).is_some_and(|line| {
+            let word = line.code.trim_start_matches("pub").trim_start_matches("(crate)").trim_start();
+            ["let ", "use ", "const ", "static ", "type "].iter().any(|value| word.starts_with(value))
+                && !word.starts_with("const fn ")
+        });
+        let ends = |line: &ScannedLine| {
+            line.depth <= lines[at].depth
+                && (line.code.ends_with(';') || !is_value && (line.code.ends_with('}') || line.code.ends_with(',')))
+        };
+        let length = lines[first..].iter().position(ends).map_or(lines.len() - first, |end| end + 1);
+        marks[at - before..first + length].fill(true);
+    }
+    marks
+}
+
+/// Whether the condition of a line names tests outside of `not`.
+fn is_for_tests(line: &ScannedLine) -> bool {
+    let condition = line.code.replace("not(test)", "");
+    line.names_testing || condition.split(|c: char| !c.is_alphanumeric()).any(|word| word == "test")
 }
 
 #[cfg(test)]
@@ -226,9 +222,7 @@ mod tests {
     use super::*;
 
     fn test_lines(text: &str) -> Vec<bool> {
-        let mut marks = Marks::new(text);
-        marks.read(TokenStream::from_str(text).expect("Rust"));
-        marks.in_tests
+        in_tests(&scan(text))
     }
 
     fn file(path: &str, text: &str) -> RustFile {
@@ -275,10 +269,9 @@ mod tests {
     fn text_in_quotes_is_code_and_a_comment_is_nothing() {
         use LineKind::{Code, Documentation, Empty};
         let text = "//! Doc.\n/* a\nfn f() {}\n*/\n/// Doc.\nconst A: &str = \"\n// no comment\n\n/// nor this\n\"; // why\n// why\nm! { /// Doc.\n    a / b }\n";
-        let mut marks = Marks::new(text);
-        marks.read(TokenStream::from_str(text).expect("Rust"));
+        let kinds: Vec<_> = scan(text).into_iter().map(|line| line.kind).collect();
         let start = [Documentation, Empty, Empty, Empty, Documentation, Code, Code, Empty, Code, Code, Empty];
-        assert_eq!(marks.kinds, [start.as_slice(), &[Code, Code]].concat());
+        assert_eq!(kinds, [start.as_slice(), &[Code, Code]].concat());
     }
 
     #[test]
@@ -295,7 +288,7 @@ mod tests {
             file("tools/a/benches/b.rs", "x\n"),
             file("tests/src/lib.rs", "x\n"),
         ];
-        mark(&mut files).expect("Rust");
+        mark(&mut files);
         let marks: Vec<bool> = files[1..].iter().map(|file| file.in_tests[0]).collect();
         assert_eq!(marks, [true, true, false, false, true, false, true, true, false]);
         assert_eq!(files.iter().filter(|file| file.is_example()).count(), 1);

@@ -4,6 +4,7 @@
 //! `experiments/wind/quick`, and judged in the winds of `experiments/field`, in which something is
 //! otherwise: how wrong the wind is, and whether the estimates say so.
 
+use anyhow::{Context as _, Result};
 use std::fmt;
 use std::path::Path;
 
@@ -19,7 +20,7 @@ use super::field_judged::{EffectFigures, EffectTally, MODE, SETTLE_S, TITLES, TU
 use super::field_own;
 use super::wind::{SPHERE_B, chain};
 use crate::table::ResultTable;
-use crate::thesis::{StudyError, StudyLab};
+use crate::thesis::StudyLab;
 
 /// Of the first specimen.
 const SEED: u64 = 41;
@@ -53,7 +54,7 @@ pub struct FieldReport {
 ///
 /// # Errors
 /// What could not be run, identified or calibrated.
-pub fn measure(experiments: &Path, specimens: u64, progress: &dyn Fn(&str)) -> Result<FieldReport, StudyError> {
+pub fn measure(experiments: &Path, specimens: u64, progress: &dyn Fn(&str)) -> Result<FieldReport> {
     let quick = StudyLab::new(experiments.join("quick"), progress);
     let field = StudyLab::new(experiments.join("../field"), progress);
     let sun = field.experiment("sun")?;
@@ -69,7 +70,8 @@ pub fn measure(experiments: &Path, specimens: u64, progress: &dyn Fn(&str)) -> R
         field: FieldEffects { drifts, ..FieldEffects::default() },
         ..sun.clone()
     };
-    let slow = Sun { period_s: Some(SLOW_SUN_S), ..sun.field.sun.ok_or_else(no_sun)? };
+    let slow =
+        Sun { period_s: Some(SLOW_SUN_S), ..sun.field.sun.context("the experiment `sun` of the field has no [sun]")? };
     let slow_sun = Experiment {
         title: "Sphere B: a slower sun".to_owned(),
         field: FieldEffects { sun: Some(slow), ..FieldEffects::default() },
@@ -107,7 +109,7 @@ pub fn measure(experiments: &Path, specimens: u64, progress: &dyn Fn(&str)) -> R
 }
 
 /// A specimen from nothing to a calibrated head.
-fn calibrated(quick: &StudyLab<'_>, seed: u64) -> Result<Head, StudyError> {
+fn calibrated(quick: &StudyLab<'_>, seed: u64) -> Result<Head> {
     let of = |name: &str| quick.experiment(name).map(|experiment| Experiment { seed, ..experiment });
     let records = SPHERE_B.elements.iter().map(|element| of(&format!("identify-{element}")));
     let model =
@@ -115,10 +117,6 @@ fn calibrated(quick: &StudyLab<'_>, seed: u64) -> Result<Head, StudyError> {
     let tunnel = of("tunnel")?;
     quick.announce(&tunnel);
     Ok(chain::calibrated(&tunnel, &model, TUNNEL_SETTLE_S)?.0)
-}
-
-fn no_sun() -> StudyError {
-    StudyError::Other("the experiment `sun` of the field has no [sun]".to_owned())
 }
 
 impl FieldReport {
@@ -136,9 +134,8 @@ impl FieldReport {
 
     /// The page of a day.
     pub fn page(&self, day: &str) -> String {
-        let table = |effects: &[EffectFigures]| {
-            ResultTable::new(&TITLES.join(" | "), effects.iter().map(EffectFigures::cells)).markdown()
-        };
+        let table =
+            |effects: &[EffectFigures]| ResultTable::new(TITLES, effects.iter().map(EffectFigures::cells)).markdown();
         format!(
             "# Effects of the field\n\nBy `cargo run --release -p studies -- benchmark field --specimens {}`, {day}. {}\n\n{}\n## In the tunnel, too\n\n{OWN}\n\n{}",
             self.specimens,
@@ -155,11 +152,8 @@ const OWN: &str = "Specimens that were identified in gas with film properties an
 
 impl fmt::Display for FieldReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let titles = std::iter::once(TITLES.map(|title| title.replace('`', "")));
-        let all = self.effects.iter().chain(&self.of_tunnels);
-        for [effect, direction, speed, inconsistent, held, unsaid] in titles.chain(all.map(EffectFigures::cells)) {
-            writeln!(f, "{effect:<54} {direction:>13} {speed:>18} {inconsistent:>12} {held:>32} {unsaid:>7}")?;
-        }
-        writeln!(f, "\n{} {OWN}", self.legend())
+        let all = self.effects.iter().chain(&self.of_tunnels).map(EffectFigures::cells);
+        let table = ResultTable::new(&TITLES.replace('`', ""), all).text();
+        writeln!(f, "{table}\n{} {OWN}", self.legend())
     }
 }

@@ -5,12 +5,12 @@ use anemometry::wind::field_correction::{FieldCorrection, SlowErrorKind, SlowEvi
 use anemometry::wind::gas_uncertainty::GasUncertainty;
 use anemometry::wind::moment::Ticks;
 use anemometry::wind::moment::Moment;
+use anyhow::Result;
 use host_sim::experiment::Experiment;
 use wire::WindSample;
 
 use super::wind::WindMode;
 use super::wind::blown::{beside, gas_errors_beside};
-use crate::thesis::StudyError;
 use crate::thesis::record::rows;
 
 /// Runs an experiment and hands out every estimate: of the whole run without a correction, then of
@@ -25,7 +25,7 @@ pub fn blow_corrected(
     kind: SlowErrorKind,
     gas: GasUncertainty,
     each: &mut dyn FnMut(bool, &Moment, &WindSample),
-) -> Result<(), StudyError> {
+) -> Result<()> {
     let mut moments = Vec::new();
     let mut live = Ticks::new(experiment.sample_period_s);
     rows(experiment, &mut |row| {
@@ -40,8 +40,7 @@ pub fn blow_corrected(
             each(false, moment, &WindSample::from(&estimate));
         }
     }
-    let correction = FieldCorrection::find(&evidence, first.anemometer(), kind, mode.bandwidth_hz)
-        .map_err(|error| StudyError::Other(error.to_string()))?;
+    let correction = FieldCorrection::find(&evidence, first.anemometer(), kind, mode.bandwidth_hz)?;
     let mut second = beside(experiment, head, mode)?;
     let mut gas_errors = gas_errors_beside(experiment, head, mode, gas)?;
     for moment in &moments {

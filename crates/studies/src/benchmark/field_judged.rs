@@ -7,6 +7,7 @@ use anemometry::wind::field_correction::SlowErrorKind;
 use anemometry::wind::gas_uncertainty::GasUncertainty;
 use anemometry::wind::moment::Moment;
 use anemometry::wind::off_line::axes;
+use anyhow::Result;
 use dr_core::wind::QualityFlags;
 use host_sim::experiment::Experiment;
 use serde::Serialize;
@@ -15,7 +16,6 @@ use wire::WindSample;
 use super::field_correction::blow_corrected;
 use super::wind::WindMode;
 use super::wind::blown::blow;
-use crate::thesis::StudyError;
 
 /// How winds are estimated.
 pub(super) const MODE: WindMode = WindMode { bandwidth_hz: 0.5, fixed: false };
@@ -103,7 +103,7 @@ pub(super) fn judge(
     head: &Head,
     correction: CorrectionOfCase,
     tallies: &mut [EffectTally; 2],
-) -> Result<(), StudyError> {
+) -> Result<()> {
     let axes = head.calibration.as_ref().map(|calibration| axes(head, calibration)).unwrap_or_default();
     let stem = experiment.field.stem.and_then(|stem| Some((stem.axis, stem.wake?.angle_deg)));
     let is_behind = |wind_m_s: [f64; 3]| {
@@ -131,14 +131,7 @@ pub(super) fn judge(
 }
 
 /// Of the cells of an effect.
-pub(super) const TITLES: [&str; 6] = [
-    "otherwise",
-    "direction rms",
-    "speed rms (mean)",
-    "flagged (`inconsistent`)",
-    "95 % intervals: direction, speed",
-    "unsaid",
-];
+pub(super) const TITLES: &str = "otherwise | direction rms | speed rms (mean) | flagged (`inconsistent`) | 95 % intervals: direction, speed | unsaid";
 
 impl EffectFigures {
     pub(super) fn cells(&self) -> [String; 6] {

@@ -7,13 +7,14 @@ use anemometry::calibrate::{DrawnOptions, Gravity};
 use anemometry::gas::Species;
 use anemometry::head::Head;
 use anemometry::network::identify::PolesPerPair;
+use anyhow::{Context as _, Result};
 use diffusive::model::Model;
 use host_sim::experiment::Experiment;
 use host_sim::sensor::field::{Buoyancy, BuoyancyModel, GasProperties};
 
 use super::field_judged::{EffectFigures, EffectTally, TUNNEL_SETTLE_S, judge};
 use super::wind::{SPHERE_B, chain};
-use crate::thesis::{StudyError, StudyLab};
+use crate::thesis::StudyLab;
 
 /// Directions that are more uncertain are none, °.
 const DIRECTION_ERROR_MAX_DEG: f64 = 20.0;
@@ -69,7 +70,7 @@ pub fn measure(
     quick: &StudyLab<'_>,
     own: &StudyLab<'_>,
     seeds: impl Iterator<Item = u64>,
-) -> Result<Vec<EffectFigures>, StudyError> {
+) -> Result<Vec<EffectFigures>> {
     let mut tallies: [[EffectTally; 2]; CASES.len()] = Default::default();
     for seed in seeds {
         let models = [identified(quick, seed, false)?, identified(quick, seed, true)?];
@@ -96,7 +97,7 @@ pub fn measure(
 }
 
 impl OwnCase {
-    fn experiment(&self, own: &StudyLab<'_>, name: &str, seed: u64) -> Result<Experiment, StudyError> {
+    fn experiment(&self, own: &StudyLab<'_>, name: &str, seed: u64) -> Result<Experiment> {
         let mut experiment = Experiment { seed, ..own.experiment(name)? };
         if let (Some(model), Some(buoyancy)) = (self.rise, experiment.field.buoyancy) {
             experiment.field.buoyancy = Some(Buoyancy { model, ..buoyancy });
@@ -106,7 +107,7 @@ impl OwnCase {
 }
 
 /// The quiescent-gas network of a specimen, in gas with film properties.
-fn identified(quick: &StudyLab<'_>, seed: u64, is_air: bool) -> Result<Model, StudyError> {
+fn identified(quick: &StudyLab<'_>, seed: u64, is_air: bool) -> Result<Model> {
     let records = SPHERE_B.elements.iter().map(|element| {
         let mut record = Experiment { seed, ..quick.experiment(&format!("identify-{element}"))? };
         record.field.gas_properties = GasProperties::Film;
@@ -116,24 +117,23 @@ fn identified(quick: &StudyLab<'_>, seed: u64, is_air: bool) -> Result<Model, St
         }
         Ok(record)
     });
-    let records = records.collect::<Result<_, StudyError>>()?;
+    let records = records.collect::<Result<_>>()?;
     chain::network_of(quick, records, SPHERE_B.elements, PolesPerPair::default())
 }
 
-fn calibrated(own: &StudyLab<'_>, case: &OwnCase, seed: u64, model: &Model) -> Result<Head, StudyError> {
+fn calibrated(own: &StudyLab<'_>, case: &OwnCase, seed: u64, model: &Model) -> Result<Head> {
     let tunnels = case.tunnels.iter().map(|name| case.experiment(own, name, seed));
     let tunnels: Vec<Experiment> = tunnels.collect::<Result<_, _>>()?;
-    let first = tunnels.first().ok_or_else(|| StudyError::Other(format!("{} has no tunnel", case.effect)))?;
+    let first = tunnels.first().with_context(|| format!("{} has no tunnel", case.effect))?;
     let mut options = DrawnOptions::default();
     if let Some(buoyancy) = first.field.buoyancy {
         options.gravity = Gravity { m_s2: buoyancy.gravity_m_s2, up: buoyancy.up };
     }
-    let other = |error: anemometry::calibrate::steady_wind::CalibratorError| StudyError::Other(error.to_string());
-    let calibrator = Calibrator::new(&first.head, NetworkSource::Identified(model), &options, None).map_err(other)?;
+    let calibrator = Calibrator::new(&first.head, NetworkSource::Identified(model), &options, None)?;
     let mut steady = Vec::new();
     for tunnel in &tunnels {
         own.announce(tunnel);
         steady.extend(chain::steady(&calibrator, tunnel, TUNNEL_SETTLE_S)?);
     }
-    Ok(calibrator.calibrated(&steady, "its tunnel", DIRECTION_ERROR_MAX_DEG).map_err(other)?.head)
+    Ok(calibrator.calibrated(&steady, "its tunnel", DIRECTION_ERROR_MAX_DEG)?.head)
 }

@@ -149,7 +149,7 @@ fn modes_benchmark(arguments: &Arguments) -> Result<()> {
     for head in &heads {
         match modes::compare(head, overheat_k, arguments.draws, &announce) {
             Ok(compared) => report.heads.push(compared),
-            Err(error) => failed = failed.and(Err(anyhow::Error::from(error).context(head.name.clone()))),
+            Err(error) => failed = failed.and(Err(error.context(head.name.clone()))),
         }
     }
     if !report.heads.is_empty() {

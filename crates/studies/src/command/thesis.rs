@@ -4,8 +4,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, anyhow, ensure};
 use host_sim::experiment::Experiment;
+use host_sim::run::RunError;
 use recording::text::suggest;
-use studies::thesis::{STUDIES, Study, StudyError, StudyLab, ThesisReport, page};
+use recording::toml_file::FileError;
+use studies::thesis::{STUDIES, Study, StudyLab, ThesisReport, page};
 
 use super::output::{self, announce};
 
@@ -92,10 +94,8 @@ fn chosen(names: &[String]) -> Result<Vec<&'static Study>> {
 }
 
 /// A failure with its study, unless it names a file or an experiment itself.
-fn in_study(study: &Study, error: StudyError) -> anyhow::Error {
-    let is_placed = matches!(error, StudyError::File(_) | StudyError::Run(_));
-    let error = anyhow::Error::from(error);
-    if is_placed { error } else { error.context(study.name) }
+fn in_study(study: &Study, error: anyhow::Error) -> anyhow::Error {
+    if error.is::<FileError>() || error.is::<RunError>() { error } else { error.context(study.name) }
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! The studies that there are, in the order of their pages.
 
-use super::error::StudyError;
 use super::findings::StudyFindings;
 use super::lab::StudyLab;
 use super::{rems_boom, rems_cross, rems_dice, rems_loops, rems_self, sphere_identification, sphere_response};
+use anyhow::Result;
 
 /// One figure or table of the thesis.
 pub struct Study {
@@ -11,7 +11,7 @@ pub struct Study {
     pub name: &'static str,
     /// Template of its page, which begins with its title.
     pub(super) page: &'static str,
-    run: fn(&StudyLab, &mut StudyFindings) -> Result<(), StudyError>,
+    run: fn(&StudyLab, &mut StudyFindings) -> Result<()>,
 }
 
 /// All of them, in the order of the pages.
@@ -39,7 +39,7 @@ impl Study {
     ///
     /// # Errors
     /// What could not be read, run or identified.
-    pub fn run(&self, lab: &StudyLab) -> Result<StudyFindings, StudyError> {
+    pub fn run(&self, lab: &StudyLab) -> Result<StudyFindings> {
         let mut findings = StudyFindings::default();
         (self.run)(lab, &mut findings)?;
         Ok(findings)

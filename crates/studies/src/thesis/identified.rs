@@ -1,9 +1,9 @@
 //! Models of a study's records, on the meshes of the thesis.
 
+use anyhow::{Context as _, Result};
 use recording::{POWER, TEMPERATURE, column_name};
 use std::f64::consts::TAU;
 
-use super::error::StudyError;
 use super::record::StudyRecord;
 use diffusive::identify::record::RecordTable;
 use diffusive::identify::validate::{ValidatedOutput, ValidationStart, validate};
@@ -22,16 +22,16 @@ pub struct ThesisMesh {
 
 /// Identifies a record that begins as its first row had been held for long, with resistances of one
 /// sign on a given mesh.
-pub fn on_mesh(table: RecordTable, mesh: ThesisMesh) -> Result<Model, StudyError> {
+pub fn on_mesh(table: RecordTable, mesh: ThesisMesh) -> Result<Model> {
     signed(table, mesh, Signs::AllPositive)
 }
 
 /// The same with resistances of either sign, as what is heated by a neighbour has: it answers late.
-pub fn on_mesh_of_any_sign(table: RecordTable, mesh: ThesisMesh) -> Result<Model, StudyError> {
+pub fn on_mesh_of_any_sign(table: RecordTable, mesh: ThesisMesh) -> Result<Model> {
     signed(table, mesh, Signs::Any)
 }
 
-fn signed(table: RecordTable, mesh: ThesisMesh, signs: Signs) -> Result<Model, StudyError> {
+fn signed(table: RecordTable, mesh: ThesisMesh, signs: Signs) -> Result<Model> {
     let given = Constraints {
         order: Some(mesh.order),
         edges_rad_s: Some(mesh.edges_rad_s),
@@ -44,13 +44,13 @@ fn signed(table: RecordTable, mesh: ThesisMesh, signs: Signs) -> Result<Model, S
 }
 
 /// Identifies such a record with so many free rates an output.
-pub fn with_free_poles(table: RecordTable, poles: usize) -> Result<Model, StudyError> {
+pub fn with_free_poles(table: RecordTable, poles: usize) -> Result<Model> {
     let given = Constraints { initial_state: Some(InitialState::Settled), ..Constraints::default() };
     quietly(table, &IdentifyOptions { constraints: given, free_poles: Some(poles), ..IdentifyOptions::default() })
 }
 
 /// The same for a prediction of the loop, which knows no dead time and no feed-through.
-pub fn for_a_loop(table: RecordTable, poles: usize, beginning: InitialState) -> Result<Model, StudyError> {
+pub fn for_a_loop(table: RecordTable, poles: usize, beginning: InitialState) -> Result<Model> {
     let given = Constraints {
         initial_state: Some(beginning),
         feed_through: Some(false),
@@ -60,7 +60,7 @@ pub fn for_a_loop(table: RecordTable, poles: usize, beginning: InitialState) -> 
     quietly(table, &IdentifyOptions { constraints: given, free_poles: Some(poles), ..IdentifyOptions::default() })
 }
 
-fn quietly(mut table: RecordTable, options: &IdentifyOptions) -> Result<Model, StudyError> {
+fn quietly(mut table: RecordTable, options: &IdentifyOptions) -> Result<Model> {
     Ok(identify(&mut table, options, &mut |_, _, _| {}, &mut |_| {})?)
 }
 
@@ -76,7 +76,7 @@ pub struct PredictedRecord {
 impl PredictedRecord {
     /// Runs a model over a record's powers; offsets and what was stored at first are estimated from
     /// the record. Inputs and outputs are the model's, in its order.
-    pub fn of(model: &Model, record: &StudyRecord, inputs: &[&str], outputs: &[&str]) -> Result<Self, StudyError> {
+    pub fn of(model: &Model, record: &StudyRecord, inputs: &[&str], outputs: &[&str]) -> Result<Self> {
         let mut temperature_c = vec![Vec::with_capacity(record.ticks()); outputs.len()];
         let mut table = record.table(inputs, outputs, model.classes.len() > 1)?;
         let validated = validate(model, &mut table, ValidationStart::Estimate, &mut |seen| {
@@ -101,7 +101,7 @@ impl PredictedRecord {
 
 /// What one element heats another by, tick by tick, in K over no power at all, says a model of one
 /// class: from standby on.
-pub fn heating_k(model: &Model, record: &StudyRecord, from: &str, to: &str) -> Result<Vec<f64>, StudyError> {
+pub fn heating_k(model: &Model, record: &StudyRecord, from: &str, to: &str) -> Result<Vec<f64>> {
     let own = pair(model, from, to)?.clone();
     let standby_w = record.element(from)?.standby_w;
     let standby_k = own.classes.values().map(|class| class.steady_gain_k_per_w).sum::<f64>() * standby_w;
@@ -134,7 +134,7 @@ pub struct Peak {
 }
 
 /// The peak of one class of a pair between two frequencies in Hz.
-pub fn peak(pair: &Pair, class: &str, between_hz: (f64, f64)) -> Result<Peak, StudyError> {
+pub fn peak(pair: &Pair, class: &str, between_hz: (f64, f64)) -> Result<Peak> {
     let own = of(pair, class)?;
     let rates = pair.mesh_rad_s.iter().zip(&own.r_k_per_w).enumerate();
     let found = rates
@@ -143,24 +143,22 @@ pub fn peak(pair: &Pair, class: &str, between_hz: (f64, f64)) -> Result<Peak, St
         .max_by(|a, b| a.r_k_per_w.total_cmp(&b.r_k_per_w));
     let nowhere =
         || format!("{} → {} has no rate from {} to {} Hz", pair.input, pair.output, between_hz.0, between_hz.1);
-    found.ok_or_else(|| StudyError::Other(nowhere()))
+    found.with_context(nowhere)
 }
 
 /// One class of a pair.
-pub fn of<'m>(pair: &'m Pair, class: &str) -> Result<&'m Class, StudyError> {
-    pair.classes
-        .get(class)
-        .ok_or_else(|| StudyError::Other(format!("{} → {} has no class `{class}`", pair.input, pair.output)))
+pub fn of<'m>(pair: &'m Pair, class: &str) -> Result<&'m Class> {
+    pair.classes.get(class).with_context(|| format!("{} → {} has no class `{class}`", pair.input, pair.output))
 }
 
 /// The pair of two elements.
-pub fn pair<'m>(model: &'m Model, input: &str, output: &str) -> Result<&'m Pair, StudyError> {
+pub fn pair<'m>(model: &'m Model, input: &str, output: &str) -> Result<&'m Pair> {
     let found = model.pair(&column_name(POWER, input), &column_name(TEMPERATURE, output));
-    found.ok_or_else(|| StudyError::Other(format!("the model has no pair {input} → {output}")))
+    found.with_context(|| format!("the model has no pair {input} → {output}"))
 }
 
 /// The symbol of one class of a pair over Hz, for a chart.
-pub fn symbol(label: impl Into<String>, pair: &Pair, class: &str) -> Result<Trace, StudyError> {
+pub fn symbol(label: impl Into<String>, pair: &Pair, class: &str) -> Result<Trace> {
     let r = of(pair, class)?.r_k_per_w.iter().copied();
     Ok(Trace::stems(label, pair.mesh_rad_s.iter().map(|rate| rate / TAU).zip(r).collect()))
 }

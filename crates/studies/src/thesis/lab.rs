@@ -1,8 +1,8 @@
 //! Where the experiments of a study are run.
 
+use anyhow::{Result, bail};
 use std::path::PathBuf;
 
-use super::error::StudyError;
 use super::record::StudyRecord;
 use host_sim::experiment::Experiment;
 use host_sim::sensor::WindEntry;
@@ -20,7 +20,7 @@ impl<'a> StudyLab<'a> {
     }
 
     /// Reads an experiment by the name of its file, without the extension.
-    pub fn experiment(&self, name: &str) -> Result<Experiment, StudyError> {
+    pub fn experiment(&self, name: &str) -> Result<Experiment> {
         Ok(Experiment::read(&self.folder.join(format!("{name}.toml")))?)
     }
 
@@ -30,13 +30,13 @@ impl<'a> StudyLab<'a> {
     }
 
     /// Runs an experiment in process.
-    pub fn record(&self, experiment: &Experiment) -> Result<StudyRecord, StudyError> {
+    pub fn record(&self, experiment: &Experiment) -> Result<StudyRecord> {
         self.announce(experiment);
         StudyRecord::of(experiment)
     }
 
     /// Reads and runs.
-    pub fn run(&self, name: &str) -> Result<(Experiment, StudyRecord), StudyError> {
+    pub fn run(&self, name: &str) -> Result<(Experiment, StudyRecord)> {
         let experiment = self.experiment(name)?;
         let record = self.record(&experiment)?;
         Ok((experiment, record))
@@ -51,9 +51,9 @@ pub fn alternating(
     hold_s: f64,
     stretches: usize,
     sample_period_s: f64,
-) -> Result<Experiment, StudyError> {
+) -> Result<Experiment> {
     let [calm, gust, ..] = &base.wind[..] else {
-        return Err(StudyError::Other(format!("{}: its wind does not step", base.title)));
+        bail!("{}: its wind does not step", base.title);
     };
     let stretch = |n: usize| {
         let of = if n.is_multiple_of(2) { gust } else { calm };

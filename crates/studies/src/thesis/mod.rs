@@ -17,7 +17,6 @@
 //! page comes from these runs. Where the thesis has no error figure, ours is the first.
 
 mod catalogue;
-mod error;
 pub mod findings;
 pub mod identified;
 pub mod lab;
@@ -35,7 +34,6 @@ mod sphere_identification;
 mod sphere_response;
 
 pub use catalogue::{STUDIES, Study};
-pub use error::StudyError;
 pub use findings::StudyFindings;
 pub use lab::StudyLab;
 pub use report::ThesisReport;

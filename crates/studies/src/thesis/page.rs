@@ -1,9 +1,9 @@
 //! What a study leaves behind: `<name>.md` and `<name>.svg`, and `README.md` over all of them.
 
+use anyhow::Result;
 use std::path::Path;
 
 use super::catalogue::Study;
-use super::error::StudyError;
 use super::findings::StudyFindings;
 use crate::table::ResultTable;
 use plot::{Canvas, PlotError};
@@ -14,7 +14,7 @@ use recording::template::{TemplateError, fill};
 ///
 /// # Errors
 /// If a file cannot be written; a file is there in whole or as it was.
-pub fn write(folder: &Path, study: &Study, findings: &StudyFindings) -> Result<(), StudyError> {
+pub fn write(folder: &Path, study: &Study, findings: &StudyFindings) -> Result<()> {
     let page = page(study, findings)?;
     Canvas::create(&folder.join(format!("{}.svg", study.name)))?.draw(&findings.figure)?;
     write_text(&folder.join(format!("{}.md", study.name)), &page)
@@ -24,11 +24,11 @@ pub fn write(folder: &Path, study: &Study, findings: &StudyFindings) -> Result<(
 ///
 /// # Errors
 /// If it cannot be written.
-pub fn write_index(folder: &Path, studies: &[(&Study, StudyFindings)]) -> Result<(), StudyError> {
+pub fn write_index(folder: &Path, studies: &[(&Study, StudyFindings)]) -> Result<()> {
     write_text(&folder.join("README.md"), &index(studies)?)
 }
 
-fn write_text(path: &Path, text: &str) -> Result<(), StudyError> {
+fn write_text(path: &Path, text: &str) -> Result<()> {
     let failed = |error: std::io::Error| PlotError::Io { path: path.to_owned(), reason: error.to_string() };
     Ok(Temporary::write(path, text.as_bytes()).map_err(failed)?)
 }

@@ -1,9 +1,9 @@
 //! What an experiment recorded, in memory.
 
+use anyhow::{Context as _, Result, bail};
 use dr_core::sensor::Level;
 use recording::{POWER, RecordingRow, TEMPERATURE, column_name};
 
-use super::error::StudyError;
 use diffusive::identify::record::RecordTable;
 use host_sim::experiment::Experiment;
 use host_sim::instrument::in_process;
@@ -11,19 +11,13 @@ use host_sim::run::{RunError, run};
 
 /// Runs an experiment on the controller of this process around the simulated sensor; a trip is an
 /// error, as nothing is made of half an experiment.
-pub fn rows(
-    experiment: &Experiment,
-    sink: &mut dyn FnMut(&RecordingRow<'_>) -> Result<(), RunError>,
-) -> Result<(), StudyError> {
+pub fn rows(experiment: &Experiment, sink: &mut dyn FnMut(&RecordingRow<'_>) -> Result<(), RunError>) -> Result<()> {
     let instrument = in_process::of_head(experiment.head.elements.len(), experiment.sensor()?);
     let summary = run(experiment, instrument, sink)?;
-    match summary.trips.first() {
-        None => Ok(()),
-        Some(trip) => Err(StudyError::Other(format!(
-            "{} tripped at {} s: {}, {}",
-            experiment.title, trip.time_s, trip.cause, trip.element
-        ))),
+    if let Some(trip) = summary.trips.first() {
+        bail!("{} tripped at {} s: {}, {}", experiment.title, trip.time_s, trip.cause, trip.element);
     }
+    Ok(())
 }
 
 /// Powers and temperatures of all elements, tick by tick.
@@ -56,7 +50,7 @@ impl StudyRecord {
     ///
     /// # Errors
     /// What the run says, and a trip.
-    pub fn of(experiment: &Experiment) -> Result<Self, StudyError> {
+    pub fn of(experiment: &Experiment) -> Result<Self> {
         let element = |name: &&str| RecordedElement { name: (*name).to_owned(), ..RecordedElement::default() };
         let mut elements: Vec<RecordedElement> = experiment.head.names().iter().map(element).collect();
         let mut event = Vec::with_capacity(experiment.ticks as usize);
@@ -84,16 +78,16 @@ impl StudyRecord {
     ///
     /// # Errors
     /// If there is none.
-    pub fn element(&self, name: &str) -> Result<&RecordedElement, StudyError> {
+    pub fn element(&self, name: &str) -> Result<&RecordedElement> {
         let found = self.elements.iter().find(|element| element.name == name);
-        found.ok_or_else(|| StudyError::Other(format!("the record has no element `{name}`")))
+        found.with_context(|| format!("the record has no element `{name}`"))
     }
 
     /// Power of an element, W.
     ///
     /// # Errors
     /// If there is no such element.
-    pub fn power_w(&self, element: &str) -> Result<&[f64], StudyError> {
+    pub fn power_w(&self, element: &str) -> Result<&[f64]> {
         Ok(&self.element(element)?.power_w)
     }
 
@@ -101,7 +95,7 @@ impl StudyRecord {
     ///
     /// # Errors
     /// If there is no such element.
-    pub fn temperature_c(&self, element: &str) -> Result<&[f64], StudyError> {
+    pub fn temperature_c(&self, element: &str) -> Result<&[f64]> {
         Ok(&self.element(element)?.temperature_c)
     }
 
@@ -133,7 +127,7 @@ impl StudyRecord {
     }
 
     /// With one more element that stands for several: their summed power and mean temperature.
-    pub fn lumped(mut self, name: &str, elements: &[&str]) -> Result<Self, StudyError> {
+    pub fn lumped(mut self, name: &str, elements: &[&str]) -> Result<Self> {
         let parts = elements.iter().map(|name| self.element(name)).collect::<Result<Vec<_>, _>>()?;
         let sum = |of: fn(&RecordedElement) -> &[f64]| -> Vec<f64> {
             (0..self.ticks()).map(|tick| parts.iter().map(|part| of(part)[tick]).sum()).collect()
@@ -154,7 +148,7 @@ impl StudyRecord {
     ///
     /// Before the first tick stands one row of standby, for the first tick's power may be a high
     /// one already: what is settled when the table begins is settled under the low levels.
-    pub fn table(&self, inputs: &[&str], outputs: &[&str], events: bool) -> Result<RecordTable, StudyError> {
+    pub fn table(&self, inputs: &[&str], outputs: &[&str], events: bool) -> Result<RecordTable> {
         let column = |prefix: &str, name: &str, first: Option<f64>, values: &[f64]| {
             (column_name(prefix, name), first.into_iter().chain(values.iter().copied()).collect::<Vec<_>>())
         };
@@ -166,8 +160,8 @@ impl StudyRecord {
             let read_c = self.temperature_c(name)?;
             Ok(column(TEMPERATURE, name, read_c.first().copied(), read_c))
         });
-        let inputs = inputs.collect::<Result<Vec<_>, StudyError>>()?;
-        let table = RecordTable::new(self.sample_period_s, inputs, outputs.collect::<Result<_, StudyError>>()?)?;
+        let inputs = inputs.collect::<Result<Vec<_>>>()?;
+        let table = RecordTable::new(self.sample_period_s, inputs, outputs.collect::<Result<_>>()?)?;
         let labels: Vec<&String> = self.event.first().into_iter().chain(&self.event).collect();
         Ok(if events { table.with_events(&labels)? } else { table })
     }
@@ -185,12 +179,12 @@ impl StudyRecord {
     }
 
     /// Mean of an element's power over ticks in a range of times in s.
-    pub fn mean_power_w(&self, element: &str, from_s: f64, to_s: f64) -> Result<f64, StudyError> {
+    pub fn mean_power_w(&self, element: &str, from_s: f64, to_s: f64) -> Result<f64> {
         Ok(mean(&self.power_w(element)?[self.span(from_s, to_s)]))
     }
 
     /// Mean of an element's temperature in °C over ticks in a range of times in s.
-    pub fn mean_temperature_c(&self, element: &str, from_s: f64, to_s: f64) -> Result<f64, StudyError> {
+    pub fn mean_temperature_c(&self, element: &str, from_s: f64, to_s: f64) -> Result<f64> {
         Ok(mean(&self.temperature_c(element)?[self.span(from_s, to_s)]))
     }
 

@@ -1,8 +1,8 @@
 //! The boom: how the dice heat it, and how it heats the dice.
 
+use anyhow::Result;
 use std::f64::consts::TAU;
 
-use super::error::StudyError;
 use super::findings::{StudyFindings, in_unit};
 use super::identified::{
     PredictedRecord, ThesisMesh, of, on_mesh_of_any_sign, pair, symbol, symbol_chart, with_free_poles,
@@ -26,7 +26,7 @@ const END_S: f64 = 600.0;
 /// The card has settled by then, with its 87 s, and the dice on it at their set-point, s.
 const WARM_S: f64 = 300.0;
 
-pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<(), StudyError> {
+pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<()> {
     let (model, mut rows) = setpoints(lab, findings)?;
     rows.push(vec![switched(lab, &model, findings)?]);
     rows.push(held(lab, findings)?);
@@ -36,7 +36,7 @@ pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<(), StudyErro
 }
 
 /// 20 h of random set-points: the symbol, its poles, and the rise for a given overheat.
-fn setpoints(lab: &StudyLab, findings: &mut StudyFindings) -> Result<(Model, Vec<Vec<Chart>>), StudyError> {
+fn setpoints(lab: &StudyLab, findings: &mut StudyFindings) -> Result<(Model, Vec<Vec<Chart>>)> {
     let (experiment, record) = lab.run("rems-boom-setpoints")?;
     let record = record.every(per_second(&experiment)).lumped(FOUR, &DICE)?;
     let model = on_mesh_of_any_sign(record.table(&[FOUR], &[BOOM], false)?, MESH)?;
@@ -69,7 +69,7 @@ fn setpoints(lab: &StudyLab, findings: &mut StudyFindings) -> Result<(Model, Vec
 }
 
 /// 3 h on and 3 h off: the rise, and the prediction of a record that the model has not seen.
-fn switched(lab: &StudyLab, model: &Model, findings: &mut StudyFindings) -> Result<Chart, StudyError> {
+fn switched(lab: &StudyLab, model: &Model, findings: &mut StudyFindings) -> Result<Chart> {
     let (experiment, record) = lab.run("rems-boom-switched")?;
     let record = record.every(per_second(&experiment)).lumped(FOUR, &DICE)?;
     let rise_k = on_less_off(&experiment, &record, BOOM)?;
@@ -95,7 +95,7 @@ fn switched(lab: &StudyLab, model: &Model, findings: &mut StudyFindings) -> Resu
 }
 
 /// The boom held: what passive dice do.
-fn held(lab: &StudyLab, findings: &mut StudyFindings) -> Result<Vec<Chart>, StudyError> {
+fn held(lab: &StudyLab, findings: &mut StudyFindings) -> Result<Vec<Chart>> {
     let (experiment, record) = lab.run("rems-boom-held")?;
     let dice: Vec<&str> = experiment.head.names().into_iter().filter(|name| *name != BOOM).collect();
     let record = record.means(10 * per_second(&experiment)).lumped("dice", &dice)?;
@@ -117,7 +117,7 @@ fn held(lab: &StudyLab, findings: &mut StudyFindings) -> Result<Vec<Chart>, Stud
 }
 
 /// The boom heated by bits beside held dice: their power answers.
-fn heated(lab: &StudyLab, findings: &mut StudyFindings) -> Result<Vec<Chart>, StudyError> {
+fn heated(lab: &StudyLab, findings: &mut StudyFindings) -> Result<Vec<Chart>> {
     let (experiment, record) = lab.run("rems-boom-prbs")?;
     let minutes = record.means(60 * per_second(&experiment)).lumped(FOUR, &DICE)?;
     let warm = (WARM_S / minutes.sample_period_s) as usize;
@@ -162,7 +162,7 @@ fn first_cycle(experiment: &Experiment) -> Experiment {
 
 /// What an element is warmer by at the ends of the stretches of even number than at those of odd
 /// number, K.
-fn on_less_off(experiment: &Experiment, record: &StudyRecord, element: &str) -> Result<f64, StudyError> {
+fn on_less_off(experiment: &Experiment, record: &StudyRecord, element: &str) -> Result<f64> {
     let ends = experiment.changes.iter().map(|change| change.tick).chain([experiment.ticks]);
     let mut means = [Vec::new(), Vec::new()];
     for (number, end) in ends.enumerate() {

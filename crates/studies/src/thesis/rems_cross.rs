@@ -1,8 +1,8 @@
 //! Cross-heating: what one heated die does to its neighbours, in still air and in wind.
 
+use anyhow::Result;
 use std::f64::consts::TAU;
 
-use super::error::StudyError;
 use super::findings::{StudyFindings, in_unit};
 use super::identified::{
     Peak, PredictedRecord, ThesisMesh, of, on_mesh_of_any_sign, pair, peak, symbol, symbol_chart, with_free_poles,
@@ -24,7 +24,7 @@ const NO_DEPENDENCE: f64 = 5.0;
 /// A stretch of the record that a chart can show bit by bit, s.
 const SHOWN_S: (f64, f64) = (1800.0, 1920.0);
 
-pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<(), StudyError> {
+pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<()> {
     let (_, still) = lab.run("rems-cross-still")?;
     let model = on_mesh_of_any_sign(still.table(&[HEATED], &OTHERS, false)?, CROSS_MESH)?;
     let at_rest = peaks(&model)?;
@@ -67,17 +67,17 @@ pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<(), StudyErro
 }
 
 /// Of each of [`OTHERS`], the place of the first one's: what is compared is one pole.
-fn peaks(model: &Model) -> Result<[Peak; 3], StudyError> {
+fn peaks(model: &Model) -> Result<[Peak; 3]> {
     let label = &model.classes[0];
     let first = peak(pair(model, HEATED, OTHERS[0])?, label, (0.0, f64::INFINITY))?;
-    let at = |die: &str| -> Result<Peak, StudyError> {
+    let at = |die: &str| -> Result<Peak> {
         Ok(Peak { r_k_per_w: of(pair(model, HEATED, die)?, label)?.r_k_per_w[first.place], ..first })
     };
     Ok([first, at(OTHERS[1])?, at(OTHERS[2])?])
 }
 
 /// What the mesh leaves, and where the poles lie if they are free.
-fn mesh_or_poles(still: &StudyRecord, model: &Model, findings: &mut StudyFindings) -> Result<(), StudyError> {
+fn mesh_or_poles(still: &StudyRecord, model: &Model, findings: &mut StudyFindings) -> Result<()> {
     let (adjacent, diagonal) = (&model.outputs[0], &model.outputs[2]);
     let fits = format!("{:.1} %, {:.1} %", adjacent.fit_percent, diagonal.fit_percent);
     findings.reported("fit of seven rates, adjacent and diagonal", fits);
@@ -95,7 +95,7 @@ fn mesh_or_poles(still: &StudyRecord, model: &Model, findings: &mut StudyFinding
     Ok(())
 }
 
-fn symbols(caption: &str, model: &Model) -> Result<Chart, StudyError> {
+fn symbols(caption: &str, model: &Model) -> Result<Chart> {
     let mut chart = symbol_chart(format!("{caption}, {HEATED} heated"));
     for (die, lies) in OTHERS.into_iter().zip(LIES) {
         chart = chart.trace(symbol(format!("{die}, {lies}"), pair(model, HEATED, die)?, &model.classes[0])?);
@@ -103,7 +103,7 @@ fn symbols(caption: &str, model: &Model) -> Result<Chart, StudyError> {
     Ok(chart)
 }
 
-fn stretch(still: &StudyRecord, model: &Model) -> Result<Chart, StudyError> {
+fn stretch(still: &StudyRecord, model: &Model) -> Result<Chart> {
     let predicted = PredictedRecord::of(model, still, &[HEATED], &OTHERS)?;
     Ok(Chart::new(format!("{}, adjacent, in still air", OTHERS[0]), "°C")
         .note("two minutes of the hour")

@@ -1,6 +1,5 @@
 //! Four dice at once: models that were identified die by die predict what all of them do together.
 
-use super::error::StudyError;
 use super::findings::{StudyFindings, in_unit};
 use super::identified::{PredictedRecord, ThesisMesh, heating_k, on_mesh, on_mesh_of_any_sign};
 use super::lab::StudyLab;
@@ -8,6 +7,7 @@ use super::record::{StudyRecord, mean};
 use super::rems::{DICE, alone, moved};
 use super::rems_cross::CROSS_MESH;
 use super::rems_self::STILL_MESH;
+use anyhow::Result;
 use diffusive::model::Model;
 use diffusive::model::merge::merge;
 use plot::{Chart, Scale, Trace, brief};
@@ -20,7 +20,7 @@ const WARM_S: f64 = 600.0;
 /// A stretch of the record that a chart can show bit by bit, s.
 const SHOWN_S: (f64, f64) = (1800.0, 1860.0);
 
-pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<(), StudyError> {
+pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<()> {
     let base = lab.experiment("rems-four-dice")?;
     let together = lab.record(&base)?;
     let (mut models, mut lonely_c) = (Vec::new(), Vec::new());
@@ -41,7 +41,7 @@ pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<(), StudyErro
         let mean_c = together.mean_temperature_c(DICE[place], WARM_S, together.duration_s())?;
         Ok(mean_c - lonely_c[place])
     });
-    let differences = differences.collect::<Result<Vec<f64>, StudyError>>()?;
+    let differences = differences.collect::<Result<Vec<f64>>>()?;
     let warmer = format!("{} K", span(&differences));
     findings.reported("measured difference to a die alone", warmer);
 
@@ -61,11 +61,7 @@ pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<(), StudyErro
 }
 
 /// What each of the other three heats the first die by; findings are of all four.
-fn cross_heating(
-    model: &Model,
-    record: &StudyRecord,
-    findings: &mut StudyFindings,
-) -> Result<Vec<(String, Vec<f64>)>, StudyError> {
+fn cross_heating(model: &Model, record: &StudyRecord, findings: &mut StudyFindings) -> Result<Vec<(String, Vec<f64>)>> {
     let mut sums = Vec::new();
     let mut on_first = Vec::new();
     let warm = (WARM_S / record.sample_period_s) as usize;
@@ -98,7 +94,7 @@ fn span(values: &[f64]) -> String {
 }
 
 /// Self-heating as in the study of it, cross-heating as in the study of that, die by die.
-fn thesis_model(lab: &StudyLab) -> Result<Model, StudyError> {
+fn thesis_model(lab: &StudyLab) -> Result<Model> {
     let (selves, crosses) = (lab.experiment("rems-self-still")?, lab.experiment("rems-cross-still")?);
     let mut models = Vec::new();
     for (place, die) in DICE.iter().enumerate() {
@@ -113,7 +109,7 @@ fn thesis_model(lab: &StudyLab) -> Result<Model, StudyError> {
     Ok(merge(&models)?)
 }
 
-fn minute(record: &StudyRecord, predicted: &PredictedRecord) -> Result<Chart, StudyError> {
+fn minute(record: &StudyRecord, predicted: &PredictedRecord) -> Result<Chart> {
     Ok(Chart::new(format!("{}, all four driven", DICE[0]), "°C")
         .note("a minute of the hour")
         .height(38.0)
@@ -121,7 +117,7 @@ fn minute(record: &StudyRecord, predicted: &PredictedRecord) -> Result<Chart, St
         .trace(Trace::dashed("sum of four models", record.over_time(&predicted.temperature_c[0], SHOWN_S, 1.0))))
 }
 
-fn difference(record: &StudyRecord, predicted: &PredictedRecord) -> Result<Chart, StudyError> {
+fn difference(record: &StudyRecord, predicted: &PredictedRecord) -> Result<Chart> {
     let measured = record.temperature_c(DICE[0])?;
     let left: Vec<f64> = measured.iter().zip(&predicted.temperature_c[0]).map(|(a, b)| 1e3 * (a - b)).collect();
     let all = (0.0, record.duration_s());

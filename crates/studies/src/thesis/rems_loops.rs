@@ -1,11 +1,11 @@
 //! One die held at 42 °C: the power that the loop takes, against what open-loop models said it
 //! would.
 
-use super::error::StudyError;
 use super::findings::StudyFindings;
 use super::identified::{ThesisMesh, for_a_loop, on_mesh};
 use super::lab::StudyLab;
 use super::record::StudyRecord;
+use anyhow::{Context as _, Result};
 use diffusive::identify::InitialState;
 use diffusive::model::Model;
 use diffusive::predict::closed::{LoopStart, PredictedElement, predict};
@@ -25,7 +25,7 @@ const WARM_S: f64 = 200.0;
 /// What has to be reached, % of the mean power.
 const MOST_PERCENT: f64 = 2.0;
 
-pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<(), StudyError> {
+pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<()> {
     let still = one(lab, findings, ("rems-self-still", "rems-loop-still"), (STILL_MESH, WARM_S), "still air")?;
     let wind = one(lab, findings, ("rems-self-wind", "rems-loop-wind"), (WIND_MESH, 0.0), "linear tunnel")?;
     findings.picture("REMS: a die in closed loop", still.into_iter().chain(wind).map(|chart| vec![chart]));
@@ -39,16 +39,16 @@ fn one(
     (open, closed): (&str, &str),
     (mesh, from_s): (ThesisMesh, f64),
     place: &str,
-) -> Result<[Chart; 2], StudyError> {
+) -> Result<[Chart; 2]> {
     let (_, heated) = lab.run(open)?;
     let (experiment, held) = lab.run(closed)?;
     let winds = experiment.wind.len() > 1;
     let table = || heated.table(&[DIE], &[DIE], winds);
     let model = for_a_loop(table()?, POLES, InitialState::Settled)?;
     let steps = LoopPowers::of(&model, &experiment, &held, from_s)?;
-    let share = |by: &Decimated| -> Result<(f64, f64, f64), StudyError> {
-        let nothing = || StudyError::Other(format!("{}: no output can be compared", experiment.title));
-        let found = by.compare().ok_or_else(nothing)?;
+    let share = |by: &Decimated| -> Result<(f64, f64, f64)> {
+        let nothing = || format!("{}: no output can be compared", experiment.title);
+        let found = by.compare().with_context(nothing)?;
         Ok((100.0 * found.rms_w / found.mean_w, 100.0 * found.bias_w / found.mean_w, 1e3 * found.mean_w))
     };
     let (rms, bias, mean_mw) = share(&steps.sampled)?;
@@ -79,16 +79,15 @@ struct LoopPowers {
 }
 
 impl LoopPowers {
-    fn of(model: &Model, experiment: &Experiment, held: &StudyRecord, from_s: f64) -> Result<Self, StudyError> {
-        let (scenario, _) =
-            host_sim::experiment::scenario(experiment, model).map_err(|error| StudyError::Other(error.to_string()))?;
+    fn of(model: &Model, experiment: &Experiment, held: &StudyRecord, from_s: f64) -> Result<Self> {
+        let (scenario, _) = host_sim::experiment::scenario(experiment, model)?;
         let prediction = predict(model, &scenario, LoopStart::Standby)?;
         let of: &PredictedElement = &prediction.elements[0];
         let first = (from_s / experiment.sample_period_s).round() as usize;
         let good: Vec<bool> = of.held.iter().enumerate().map(|(tick, held)| *held && tick >= first).collect();
         let decimated = |predicted: &[f64]| {
             let period_s = experiment.sample_period_s;
-            Ok::<_, StudyError>(decimate(predicted, held.power_w(DIE)?, &good, &prediction.class, WINDOW, period_s)?)
+            anyhow::Ok(decimate(predicted, held.power_w(DIE)?, &good, &prediction.class, WINDOW, period_s)?)
         };
         Ok(Self { sampled: decimated(&of.sampled_w)?, limit: decimated(&of.limit_w)? })
     }

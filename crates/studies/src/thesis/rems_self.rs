@@ -1,8 +1,8 @@
 //! Self-heating of a die: one peak, and what of it depends on the wind.
 
+use anyhow::Result;
 use std::f64::consts::TAU;
 
-use super::error::StudyError;
 use super::findings::StudyFindings;
 use super::identified::{ThesisMesh, of, on_mesh, pair, peak, symbol, symbol_chart, with_free_poles};
 use super::lab::StudyLab;
@@ -17,14 +17,14 @@ const WIND_MESH: ThesisMesh = ThesisMesh { order: 8, edges_rad_s: (0.0111, 75.0)
 const DIE_HZ: (f64, f64) = (0.05, 2.0);
 const WINDS: [&str; 3] = ["rest", "back 7.5 m/min", "forward 7.5 m/min"];
 
-pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<(), StudyError> {
+pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<()> {
     let still = still(lab, findings)?;
     let wind = wind(lab, findings)?;
     findings.picture("REMS: self-heating of a die", [vec![still], vec![wind]]);
     Ok(())
 }
 
-fn still(lab: &StudyLab, findings: &mut StudyFindings) -> Result<Chart, StudyError> {
+fn still(lab: &StudyLab, findings: &mut StudyFindings) -> Result<Chart> {
     let base = lab.experiment("rems-self-still")?;
     let mut chart = symbol_chart("Still air, four dice one by one");
     let mut peaks = Vec::new();
@@ -57,7 +57,7 @@ fn still(lab: &StudyLab, findings: &mut StudyFindings) -> Result<Chart, StudyErr
     Ok(chart)
 }
 
-fn wind(lab: &StudyLab, findings: &mut StudyFindings) -> Result<Chart, StudyError> {
+fn wind(lab: &StudyLab, findings: &mut StudyFindings) -> Result<Chart> {
     let (_, record) = lab.run("rems-self-wind")?;
     let die = DICE[0];
     let model = on_mesh(record.table(&[die], &[die], true)?, WIND_MESH)?;
@@ -71,7 +71,7 @@ fn wind(lab: &StudyLab, findings: &mut StudyFindings) -> Result<Chart, StudyErro
     }
     let free = with_free_poles(record.table(&[die], &[die], true)?, 3)?;
     let own = pair(&free, die, die)?;
-    let at = |label: &str| -> Result<Vec<f64>, StudyError> { Ok(of(own, label)?.r_k_per_w.clone()) };
+    let at = |label: &str| -> Result<Vec<f64>> { Ok(of(own, label)?.r_k_per_w.clone()) };
     let [rest, back, forward] = [at(WINDS[0])?, at(WINDS[1])?, at(WINDS[2])?];
     let die_pole = peak(own, WINDS[0], DIE_HZ)?;
     let free_hz = own.mesh_rad_s[die_pole.place] / TAU;
@@ -98,7 +98,7 @@ fn wind(lab: &StudyLab, findings: &mut StudyFindings) -> Result<Chart, StudyErro
 
 /// The largest change of another rate from rest to forward, in percent of that of the rate at
 /// `place`.
-fn others_share(own: &Pair, place: usize) -> Result<f64, StudyError> {
+fn others_share(own: &Pair, place: usize) -> Result<f64> {
     let (rest, forward) = (&of(own, WINDS[0])?.r_k_per_w, &of(own, WINDS[2])?.r_k_per_w);
     let changes: Vec<f64> = rest.iter().zip(forward).map(|(rest, forward)| (rest - forward).abs()).collect();
     let others = changes.iter().enumerate().filter(|(k, _)| *k != place).map(|(_, change)| *change);

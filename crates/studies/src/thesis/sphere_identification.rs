@@ -1,11 +1,11 @@
 //! Why sphere A answers with a tail and sphere B does not, read off models that were identified
 //! open loop.
 
+use anyhow::Result;
 use std::f64::consts::TAU;
 
 use dr_core::sensor::Level;
 
-use super::error::StudyError;
 use super::findings::StudyFindings;
 use super::identified::for_a_loop;
 use super::lab::StudyLab;
@@ -79,7 +79,7 @@ struct IdentifiedLoop {
     points: Vec<(f64, f64)>,
 }
 
-pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<(), StudyError> {
+pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<()> {
     let spheres = [IdentifiedSphere::of(lab, &A)?, IdentifiedSphere::of(lab, &B)?];
     findings.fill("poles_and_zeros", poles_and_zeros(&spheres));
     let names = [["wind_a", "verdict_a", "front_verdict_a"], ["wind_b", "verdict_b", "front_verdict_b"]];
@@ -111,7 +111,7 @@ pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<(), StudyErro
 }
 
 impl IdentifiedSphere {
-    fn of(lab: &StudyLab, sphere: &'static ThesisSphere) -> Result<Self, StudyError> {
+    fn of(lab: &StudyLab, sphere: &'static ThesisSphere) -> Result<Self> {
         let loops = lab.experiment(sphere.step)?;
         let (experiment, record) = lab.run(sphere.prbs)?;
         let ends = experiment.wind.iter().skip(1).map(|wind| wind.start_s).chain([experiment.duration_s()]);
@@ -119,7 +119,7 @@ impl IdentifiedSphere {
             let identified = |output: &[&str], poles: usize| {
                 let span_s = (wind.start_s + FORGOTTEN_S, to_s);
                 let model = for_a_loop(mean_of(&record, sphere.parts, output, span_s)?, poles, InitialState::Free)?;
-                Ok::<_, StudyError>(IdentifiedLoop { analysis: analysed(&model, &loops)?, points: points(&model) })
+                anyhow::Ok(IdentifiedLoop { analysis: analysed(&model, &loops)?, points: points(&model) })
             };
             let together = identified(sphere.parts, sphere.poles.0)?;
             Ok(SphereInWind {
@@ -128,7 +128,7 @@ impl IdentifiedSphere {
                 front: identified(&sphere.parts[..1], sphere.poles.1)?,
             })
         };
-        let winds = experiment.wind.iter().zip(ends).map(of).collect::<Result<_, StudyError>>()?;
+        let winds = experiment.wind.iter().zip(ends).map(of).collect::<Result<_>>()?;
         Ok(Self { sphere, winds })
     }
 
@@ -139,12 +139,7 @@ impl IdentifiedSphere {
 }
 
 /// The mean power of some elements as the input, the mean temperature of some as the output.
-fn mean_of(
-    record: &StudyRecord,
-    inputs: &[&str],
-    outputs: &[&str],
-    (from_s, to_s): (f64, f64),
-) -> Result<RecordTable, StudyError> {
+fn mean_of(record: &StudyRecord, inputs: &[&str], outputs: &[&str], (from_s, to_s): (f64, f64)) -> Result<RecordTable> {
     let tick = |time_s: f64| (time_s / record.sample_period_s).round() as usize;
     let span = tick(from_s)..tick(to_s).min(record.ticks());
     let mean = |columns: Vec<&[f64]>| -> Vec<f64> {
@@ -165,9 +160,9 @@ fn points(model: &Model) -> Vec<(f64, f64)> {
 }
 
 /// The loop of the step experiment around such a model.
-fn analysed(model: &Model, loops: &Experiment) -> Result<Analysis, StudyError> {
-    let part = PairClass::find(model, None, None).map_err(|error| StudyError::Other(error.to_string()))?;
-    let loop_model = LoopModel::of(&part, None).map_err(|error| StudyError::Other(error.to_string()))?;
+fn analysed(model: &Model, loops: &Experiment) -> Result<Analysis> {
+    let part = PairClass::find(model, None, None)?;
+    let loop_model = LoopModel::of(&part, None)?;
     let level = |level: Level| loops.head.elements[0].power_w(TARGET_C, level);
     let conditions = LoopConditions {
         target_c: TARGET_C,

@@ -1,10 +1,10 @@
 //! The same step of the wind on both spheres: how long until the front part tells, in closed loop
 //! and in open loop.
 
-use super::error::StudyError;
 use super::findings::StudyFindings;
 use super::lab::{StudyLab, alternating};
 use super::settling::{SHARES, StepResponse, Window};
+use anyhow::{Context as _, Result};
 use host_sim::experiment::Experiment;
 use plot::{Chart, Scale, Trace, brief};
 
@@ -32,7 +32,7 @@ struct StepCase {
     from_s: f64,
 }
 
-pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<(), StudyError> {
+pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<()> {
     let (b_closed, b_long) = of_b(lab, "sphere-b-step")?;
     let (b_off, b_off_long) = of_b(lab, "sphere-b-cores-off")?;
     let b_slow = lab.experiment("sphere-b-step")?;
@@ -54,7 +54,7 @@ pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<(), StudyErro
     {
         findings.fill(name, brief(case.response.resolution_s));
     }
-    judge(findings, [a, b, b_off, power, current], (&b_long, &b_off_long))?;
+    judge(findings, [a, b, b_off, power, current], (b_long, b_off_long))?;
     let chart = |caption: &str, of: fn(f64) -> f64| {
         let lines = cases.iter().map(|case| {
             let points = case.response.points(case.from_s, 1e4).into_iter();
@@ -81,11 +81,11 @@ fn absolute(missing: f64) -> f64 {
 fn judge(
     findings: &mut StudyFindings,
     [a, b, b_off, power, current]: [&StepCase; 5],
-    (b_long, b_off_long): (&Long, &Long),
-) -> Result<(), StudyError> {
-    let settled = |case: &StepCase| -> Result<f64, StudyError> {
-        let never = || StudyError::Other(format!("{}: the run is too short for its 2 %", case.what));
-        case.response.settled_s(2.0).ok_or_else(never)
+    (b_long, b_off_long): (f64, f64),
+) -> Result<()> {
+    let settled = |case: &StepCase| -> Result<f64> {
+        let never = || format!("{}: the run is too short for its 2 %", case.what);
+        case.response.settled_s(2.0).with_context(never)
     };
     let tail = "tail of tens of seconds or more";
     findings.between("A: time to 2 % of the change", tail, (settled(a)?, "s"), (TAIL_S, f64::INFINITY));
@@ -94,7 +94,7 @@ fn judge(
         let what = format!("{}: most missing after 1 s", case.what);
         findings.between(what, "no tail", (most, "%"), (f64::NEG_INFINITY, MOST_LEFT));
         let what = format!("{}: missing from 1 to 11 s, of what comes in 15 min", case.what);
-        findings.between(what, "no tail", (long.left.abs(), "%"), (f64::NEG_INFINITY, MOST_LEFT));
+        findings.between(what, "no tail", (long.abs(), "%"), (f64::NEG_INFINITY, MOST_LEFT));
     }
     for (open, closed) in [(power, b), (current, b_off)] {
         let factor = settled(open)? / settled(closed)?;
@@ -125,21 +125,16 @@ fn table(cases: &[StepCase]) -> String {
 }
 
 /// Sphere A in closed loop: one step and its end minutes later.
-pub fn of_a(lab: &StudyLab) -> Result<StepResponse, StudyError> {
+pub fn of_a(lab: &StudyLab) -> Result<StepResponse> {
     let (experiment, record) = lab.run("sphere-a-step")?;
     let (step, after) = step(&experiment)?;
     let window = Window { before: after / 3, after, end: after / 3, half: 100 };
     Ok(StepResponse::of(record.power_w("hemisphere1")?, &[step], window, experiment.sample_period_s))
 }
 
-/// What a long run says of the tail.
-struct Long {
-    /// Of the whole change in %, missing in the mean from 1 to 11 s after the step.
-    left: f64,
-}
-
-/// Sphere B in closed loop: its repeated step, and the tail of the long one.
-fn of_b(lab: &StudyLab, name: &str) -> Result<(StepResponse, Long), StudyError> {
+/// Sphere B in closed loop: its repeated step, and what the long one lacks from 1 to 11 s, % of its
+/// change.
+fn of_b(lab: &StudyLab, name: &str) -> Result<(StepResponse, f64)> {
     let base = lab.experiment(name)?;
     let record = lab.record(&base)?;
     let (_, after) = step(&base)?;
@@ -148,12 +143,12 @@ fn of_b(lab: &StudyLab, name: &str) -> Result<(StepResponse, Long), StudyError> 
     let before = record.mean_power_w("sector1", at_s - 300.0, at_s)?;
     let soon = record.mean_power_w("sector1", at_s + 1.0, at_s + 11.0)?;
     let finally = record.mean_power_w("sector1", end_s - 300.0, end_s)?;
-    let long = Long { left: 100.0 * (finally - soon) / (finally - before) };
-    Ok((of_b_repeated(lab, &base, FAST_PERIOD_S)?, long))
+    let left = 100.0 * (finally - soon) / (finally - before);
+    Ok((of_b_repeated(lab, &base, FAST_PERIOD_S)?, left))
 }
 
 /// Sphere B's repeated step, sampled every so often.
-pub fn of_b_repeated(lab: &StudyLab, base: &Experiment, period_s: f64) -> Result<StepResponse, StudyError> {
+pub fn of_b_repeated(lab: &StudyLab, base: &Experiment, period_s: f64) -> Result<StepResponse> {
     let mut experiment = alternating(base, WARM_S, EACH_S, 2 * REPEATED, period_s)?;
     experiment.title = format!("{}, repeated, {} ms", base.title, 1e3 * period_s);
     let record = lab.record(&experiment)?;
@@ -164,7 +159,7 @@ pub fn of_b_repeated(lab: &StudyLab, base: &Experiment, period_s: f64) -> Result
 }
 
 /// The temperature of a sector under what it is given.
-fn open(lab: &StudyLab, name: &str) -> Result<StepResponse, StudyError> {
+fn open(lab: &StudyLab, name: &str) -> Result<StepResponse> {
     let (experiment, record) = lab.run(name)?;
     let (step, after) = step(&experiment)?;
     let window = Window { before: 2000, after, end: after / 6, half: 10 };
@@ -172,10 +167,10 @@ fn open(lab: &StudyLab, name: &str) -> Result<StepResponse, StudyError> {
 }
 
 /// Tick of an experiment's first change of the wind, and ticks until the next.
-fn step(experiment: &Experiment) -> Result<(usize, usize), StudyError> {
+fn step(experiment: &Experiment) -> Result<(usize, usize)> {
     let tick = |time_s: f64| (time_s / experiment.sample_period_s).round() as usize;
-    let none = || StudyError::Other(format!("{}: its wind does not step", experiment.title));
-    let first = tick(experiment.wind.get(1).ok_or_else(none)?.start_s);
+    let none = || format!("{}: its wind does not step", experiment.title);
+    let first = tick(experiment.wind.get(1).with_context(none)?.start_s);
     let next = experiment.wind.get(2).map_or(experiment.ticks as usize, |wind| tick(wind.start_s));
     Ok((first, next - first))
 }

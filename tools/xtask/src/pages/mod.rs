@@ -19,13 +19,12 @@ mod elision;
 mod gallery;
 mod names;
 mod page;
-mod programs;
 mod transcript;
 
+use crate::artefacts::{self, FirmwareBoard};
 use crate::{install, python, shell, sources};
 use anyhow::{Context, Result, bail};
 use page::{Page, PageOutcome, Workshop};
-pub use programs::PagePrograms;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
@@ -39,6 +38,27 @@ pub struct PagesOptions {
     /// Put what is printed into the pages, and what is drawn into docs/images
     #[arg(long)]
     write: bool,
+}
+
+/// What pages run, built.
+pub struct PagePrograms {
+    pub anemo: PathBuf,
+    /// `anemo`'s example that reads command lines without running them.
+    pub interface: PathBuf,
+    pub firmware: PathBuf,
+}
+
+impl PagePrograms {
+    pub fn build() -> Result<Self> {
+        let given = |variable: &str, build: &dyn Fn() -> Result<PathBuf>| {
+            std::env::var_os(variable).map(PathBuf::from).map_or_else(build, Ok)
+        };
+        Ok(Self {
+            anemo: given("ANEMO_BIN", &artefacts::anemo)?,
+            interface: artefacts::interface()?,
+            firmware: given("ANEMO_FIRMWARE", &|| artefacts::firmware(FirmwareBoard::Virtual))?,
+        })
+    }
 }
 
 /// Runs pages; `jobs` are those of `cargo xtask`. Programs that are not handed over are built.

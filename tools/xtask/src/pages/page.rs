@@ -1,9 +1,9 @@
 //! Runs the commands of one page.
 
+use super::PagePrograms;
 use super::elision;
 use super::gallery;
 use super::names::{self, NamedOnly};
-use super::programs::PagePrograms;
 use super::transcript::{self, Expectation, ShownCommand, Step};
 use crate::shell;
 use anyhow::{Context, Result, bail};
@@ -26,11 +26,9 @@ pub struct Workshop {
     folder: PathBuf,
     /// Folders of programs, before those of the path.
     pub programs: Vec<PathBuf>,
-    firmware: PathBuf,
     /// The jobs of `cargo xtask`.
     jobs: clap::Command,
-    /// What refuses a command line of `anemo` without running it.
-    pub interface: PathBuf,
+    built: PagePrograms,
 }
 
 impl Workshop {
@@ -42,8 +40,7 @@ impl Workshop {
         std::fs::create_dir_all(&programs).with_context(|| format!("{} cannot be made", programs.display()))?;
         let anemo = built.anemo.canonicalize().with_context(|| format!("there is no {}", built.anemo.display()))?;
         symlink(&anemo, programs.join("anemo")).context("`anemo` cannot be linked")?;
-        let PagePrograms { interface, firmware, .. } = built;
-        Ok(Self { folder, programs: vec![programs], firmware, jobs, interface })
+        Ok(Self { folder, programs: vec![programs], jobs, built })
     }
 
     /// Runs a command line in a folder. Gives its exit code and what it prints to both outputs.
@@ -57,7 +54,7 @@ impl Workshop {
         bash.arg(format!("exec 2>&1\n{command}")).current_dir(folder);
         bash.stdin(Stdio::null()).stdout(file).stderr(Stdio::null());
         bash.env("PATH", path).env("COLUMNS", "100").env("LC_ALL", "C.UTF-8").env("TZ", "UTC").env("NO_COLOR", "1");
-        bash.env("ANEMO_FIRMWARE", &self.firmware);
+        bash.env("ANEMO_FIRMWARE", &self.built.firmware);
         let status = bash.status().context("`timeout` or `bash` cannot be started")?;
         let text = std::fs::read(&printed).with_context(|| format!("{} cannot be read", printed.display()))?;
         Ok((status.code(), String::from_utf8_lossy(&text).into_owned()))
@@ -112,7 +109,7 @@ impl Page {
         for (line, fault) in &self.faults {
             outcome.faults.push(format!("{}:{line}: {fault}", self.name));
         }
-        let (named, faults) = names::check(&self.text, &self.steps, &workshop.jobs, Some(&workshop.interface))?;
+        let (named, faults) = names::check(&self.text, &self.steps, &workshop.jobs, Some(&workshop.built.interface))?;
         outcome.named = named;
         outcome.faults.extend(faults.into_iter().map(|(line, fault)| format!("{}:{line}: {fault}", self.name)));
 

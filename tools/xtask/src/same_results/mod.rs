@@ -34,6 +34,12 @@ pub struct SameResultsOptions {
 /// Files that hold the time at which they were made. `anemo run` prints a hash of a recording's rows.
 const DATED: [&str; 2] = ["parquet", "pdf"];
 
+const STEPS: &str = include_str!("steps.txt");
+/// Stands between the beginning of a command and how older builds call it.
+const OLDER: &str = " = ";
+/// Exit code of a command line that is not understood.
+const REFUSED: i32 = 2;
+
 pub fn run(options: &SameResultsOptions) -> Result<()> {
     let absolute = |path: &Path| path.canonicalize().with_context(|| format!("there is no {}", path.display()));
     let mut rows = Vec::new();
@@ -69,9 +75,10 @@ fn folder() -> Result<PathBuf> {
 
 /// All experiments, and the commands of `steps.txt`.
 fn lines(with_long: bool) -> Result<Vec<String>> {
-    let (quick, long) = include_str!("steps.txt").split_once("\n--long\n").context("steps.txt has no --long")?;
+    let (quick, long) = STEPS.split_once("\n--long\n").context("steps.txt has no --long")?;
     let steps = quick.lines().chain(long.lines().take(if with_long { usize::MAX } else { 0 }));
-    let steps: Vec<&str> = steps.filter(|line| !line.is_empty() && !line.starts_with('#')).collect();
+    let is_step = |line: &&str| !line.is_empty() && !line.starts_with('#') && !line.contains(OLDER);
+    let steps: Vec<&str> = steps.filter(is_step).collect();
     let experiments = shell::root().join("experiments");
     let mut lines = Vec::new();
     let mut unknown: BTreeSet<&str> = steps.iter().flat_map(|line| line.split([' ', '='])).collect();
@@ -100,22 +107,30 @@ fn results(name: &str, anemo: PathBuf, lines: &[String]) -> Result<BTreeMap<Stri
     let mut results = BTreeMap::new();
     for line in lines {
         let is_to_fail = line.starts_with("! ");
-        let mut spellings = line.trim_start_matches(['!', '?', ' ']).split(" || ").peekable();
-        while let Some(spelling) = spellings.next() {
-            let mut words = words(spelling).into_iter();
+        for spelling in spellings(line.trim_start_matches(['!', '?', ' '])) {
+            let mut words = words(&spelling).into_iter();
             let program = anemo.with_file_name(words.next().unwrap_or_default());
-            let mut command = Command::new(if program.ends_with("anemo") { &anemo } else { &program });
-            command.current_dir(&folder).args(words).stdin(Stdio::null());
-            let output = command.output().with_context(|| format!("{} cannot be started", program.display()))?;
-            if output.status.code() == Some(2) && spellings.peek().is_some() {
+            let program = if program.ends_with("anemo") { &anemo } else { &program };
+            if !program.exists() {
                 continue;
             }
-            let errors = String::from_utf8_lossy(&output.stderr);
-            if !line.starts_with('?') && output.status.success() == is_to_fail {
+            let mut command = Command::new(program);
+            command.current_dir(&folder).args(words).stdin(Stdio::null());
+            let output = command.output().with_context(|| format!("{} cannot be started", program.display()))?;
+            let result = CommandResult::of_command(&output);
+            let is_refused = output.status.code() == Some(REFUSED);
+            if !is_refused && !line.starts_with('?') && output.status.success() == is_to_fail {
+                let errors = String::from_utf8_lossy(&output.stderr);
                 bail!("{name}: `{spelling}` ends with {}: {}", output.status, errors.trim());
             }
-            results.insert(line.clone(), CommandResult::of_command(&output));
-            break;
+            results.insert(line.clone(), result);
+            if !is_refused {
+                break;
+            }
+        }
+        let code = results.get(line).and_then(|result| result.values.get("exit code")?.as_i64());
+        if !line.starts_with(['?', '!']) && code != Some(0) {
+            bail!("{name}: `{line}` is refused in every spelling");
         }
     }
     let is_dated = |path: &PathBuf| path.extension().is_some_and(|own| DATED.iter().any(|dated| own == *dated));
@@ -125,6 +140,15 @@ fn results(name: &str, anemo: PathBuf, lines: &[String]) -> Result<BTreeMap<Stri
         results.insert(format!("file {path}"), CommandResult::of_file(&path, &content));
     }
     Ok(results)
+}
+
+/// A command as today's build calls it, and as older ones do.
+fn spellings(command: &str) -> Vec<String> {
+    let older = STEPS.lines().filter_map(|line| line.split_once(OLDER)).find_map(|(today, older)| {
+        let rest = command.strip_prefix(today).filter(|rest| rest.starts_with(' '))?;
+        Some(format!("{older}{rest}"))
+    });
+    [command.to_owned()].into_iter().chain(older).collect()
 }
 
 /// Words of a command; what there is in this tree is taken from there.
@@ -158,6 +182,9 @@ mod tests {
         let lines = lines(true).expect("all recordings are known");
         let recorded = "? anemo run experiments/prbs.toml --on sim --json -o recordings/prbs.parquet";
         assert!(lines.iter().any(|line| line == recorded));
+        assert_eq!(spellings("anemo model merge a b"), ["anemo model merge a b", "anemo merge a b"]);
+        assert_eq!(spellings("studies thesis"), ["studies thesis", "anemo thesis"]);
+        assert_eq!(spellings("anemo models x"), ["anemo models x"]);
         let words = words("anemo export x.json --class \"2 m/s\" heads/rems.toml");
         assert_eq!(words[..5], ["anemo", "export", "x.json", "--class", "2 m/s"]);
         assert!(Path::new(&words[5]).is_absolute());

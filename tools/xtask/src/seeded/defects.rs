@@ -1,6 +1,6 @@
 //! The defects, which stand in `defects.toml`.
 
-use super::change::{SeededChange, read};
+use super::{SeededChange, read};
 use anyhow::{Context, Result, bail};
 use serde::Deserialize;
 

@@ -6,14 +6,12 @@
 //! [`defects`] expects of it. First of all the image without a defect has to pass them. Mutants are
 //! tried in the same way ([`mutants`]).
 
-mod change;
 mod defects;
 mod mutants;
 
 use crate::artefacts::{self, FirmwareBoard};
 use crate::{install, shell};
 use anyhow::{Context, Result, bail};
-use change::{SeededChange, read};
 use std::collections::BTreeSet;
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -34,19 +32,28 @@ pub struct SeededOptions {
     /// Only the k-th of n parts of the mutants, from 0: `0/8`
     #[arg(long, value_name = "K/N", requires = "mutants")]
     shard: Option<String>,
-    /// Only so many mutants, chosen by `--seed`
-    #[arg(long, value_name = "N", requires = "mutants")]
-    sample: Option<usize>,
-    /// Chooses the mutants of a sample
-    #[arg(long, default_value_t = 1, requires = "sample")]
-    seed: u64,
 }
 
 impl SeededOptions {
-    /// A sample of the mutants.
-    pub fn sample(count: usize, seed: u64) -> Self {
-        Self { mutants: true, sample: Some(count), seed, ..Self::default() }
+    /// A part of the mutants.
+    pub fn mutants(shard: &str) -> Self {
+        Self { mutants: true, shard: Some(shard.to_owned()), ..Self::default() }
     }
+}
+
+/// A file of the firmware with something wrong in it, and what has to notice.
+struct SeededChange {
+    name: String,
+    /// The file from the workspace's root on.
+    path: String,
+    /// All of the file with it.
+    text: String,
+    /// Whether unit tests of the firmware's library may fail, which then is enough.
+    has_unit_tests: bool,
+    /// One of these has to fail; they run in this order.
+    scenarios: Vec<String>,
+    /// Has to stand in the output of the one that fails.
+    shows: String,
 }
 
 pub fn run(options: &SeededOptions) -> Result<()> {
@@ -55,9 +62,6 @@ pub fn run(options: &SeededOptions) -> Result<()> {
     let wanted = |change: &SeededChange| options.name.as_ref().is_none_or(|name| change.name.contains(name));
     let mut changes = if options.mutants { mutants::list(options.shard.as_deref())? } else { defects::list()? };
     changes.retain(wanted);
-    if let Some(count) = options.sample {
-        mutants::sample(&mut changes, count, options.seed);
-    }
     if changes.is_empty() {
         bail!("nothing has such a name");
     }
@@ -219,4 +223,9 @@ fn copy(from: &Path, to: &Path) -> Result<()> {
 
 fn write(file: &Path, text: &str) -> Result<()> {
     std::fs::write(file, text).with_context(|| format!("{} cannot be written", file.display()))
+}
+
+/// A file's text.
+fn read(file: &Path) -> Result<String> {
+    std::fs::read_to_string(file).with_context(|| format!("{} cannot be read", file.display()))
 }

@@ -4,7 +4,7 @@
 //! drivers know no registers. `mutants.toml` says which files, and leaves out with a reason what
 //! nobody could notice.
 
-use super::change::{SeededChange, read};
+use super::{SeededChange, read};
 use crate::{install, shell};
 use anyhow::{Context, Result};
 use serde::Deserialize;
@@ -91,19 +91,6 @@ pub fn list(shard: Option<&str>) -> Result<Vec<SeededChange>> {
     mutants.into_iter().map(Mutant::seeded).collect()
 }
 
-/// Keeps so many. A mutant's rank hangs on its name and the seed only, so that others that come or
-/// go change little of a sample.
-pub fn sample(changes: &mut Vec<SeededChange>, count: usize, seed: u64) {
-    changes.sort_by_key(|change| rank(&change.name, seed));
-    changes.truncate(count);
-}
-
-/// Hash FNV-1a of 64 bits.
-fn rank(name: &str, seed: u64) -> u64 {
-    let bytes = seed.to_le_bytes().into_iter().chain(name.bytes());
-    bytes.fold(0xCBF2_9CE4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -115,12 +102,5 @@ mod tests {
         let mutant: Mutant = serde_json::from_str(json).expect("a mutant");
         assert_eq!(mutant.applied_to("// µ\n/*µ*/ == b").as_deref(), Some("// µ\n/*µ*/ != b"));
         assert_eq!(mutant.applied_to("one line"), None);
-    }
-
-    #[test]
-    fn a_sample_hangs_on_the_seed_only() {
-        assert_eq!(rank("", 0), rank("", 0));
-        assert_ne!(rank("a", 1), rank("a", 2));
-        assert_ne!(rank("a", 1), rank("b", 1));
     }
 }

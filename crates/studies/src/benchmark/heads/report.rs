@@ -18,7 +18,7 @@ pub struct HeadsReport {
     pub refused: Vec<String>,
 }
 
-const TITLES: [&str; 6] = ["head", "surfaces", "mode", "unseen winds", "direction rms", "speed rms (mean)"];
+const TITLES: &str = "head | surfaces | mode | unseen winds | direction rms | speed rms (mean)";
 
 impl HeadFigures {
     fn cells(&self) -> [String; 6] {
@@ -51,26 +51,26 @@ impl HeadsReport {
 
     /// The page of a day under a title, by a command.
     pub fn page(&self, title: &str, command: &str, day: &str) -> String {
-        let table = ResultTable::new(&TITLES.join(" | "), self.heads.iter().map(HeadFigures::cells)).markdown();
         let made: String =
             self.heads.iter().map(|of| format!("- {}, {}: {}\n", of.head, of.mode.name(), of.made_from)).collect();
         let refused: String = self.refused.iter().map(|sentence| format!("- {sentence}\n")).collect();
         let refused = if refused.is_empty() { refused } else { format!("\nNot calibrated:\n\n{refused}") };
         format!(
-            "# {title}\n\nBy `{command}`, {day}. {}\n\n{table}\nTheir calibrations, with errors in winds that were left \
+            "# {title}\n\nBy `{command}`, {day}. {}\n\n{}\nTheir calibrations, with errors in winds that were left \
              out:\n\n{made}{refused}",
-            legend()
+            legend(),
+            self.table().markdown()
         )
+    }
+
+    fn table(&self) -> ResultTable {
+        ResultTable::new(TITLES, self.heads.iter().map(HeadFigures::cells))
     }
 }
 
 impl fmt::Display for HeadsReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let rows = self.heads.iter().map(HeadFigures::cells);
-        for cells in std::iter::once(TITLES.map(str::to_owned)).chain(rows) {
-            let [head, surfaces, mode, winds, direction, speed] = cells;
-            writeln!(f, "{head:<14} {surfaces:<20} {mode:<4} {winds:>12} {direction:>14} {speed:>20}")?;
-        }
+        f.write_str(&self.table().text())?;
         self.refused.iter().try_for_each(|sentence| writeln!(f, "{sentence}"))?;
         writeln!(f, "\n{}", legend())
     }

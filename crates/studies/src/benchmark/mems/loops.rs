@@ -1,5 +1,6 @@
 //! Set-points held by the loops of both orders: predicted from a model and simulated, and for days.
 
+use anyhow::Result;
 use dielectric::experiment::{DeviceExperiment, DevicePhase};
 use dielectric::predict::predict;
 use diffusive::model::Model;
@@ -8,7 +9,6 @@ use recording::Recording;
 use serde::Serialize;
 
 use super::records::run_of;
-use crate::thesis::StudyError;
 
 /// Set-points as shares of the range that the symbols can hold.
 const SHARES: [f64; 3] = [-0.4, 0.1, 0.5];
@@ -35,7 +35,7 @@ pub struct LoopFigures {
 }
 
 /// The three set-points under both orders, from a model of the device, on a device without charge.
-pub fn predicted(model: &Model, prbs: &DeviceExperiment) -> Result<Vec<LoopFigures>, StudyError> {
+pub fn predicted(model: &Model, prbs: &DeviceExperiment) -> Result<Vec<LoopFigures>> {
     let held = |drive: Drive| DeviceExperiment {
         phases: vec![DevicePhase { tick: 0, label: String::new(), drive }],
         ticks: (LOOP_S / prbs.shape.symbol_time_s) as u32,
@@ -46,13 +46,8 @@ pub fn predicted(model: &Model, prbs: &DeviceExperiment) -> Result<Vec<LoopFigur
     let mut all = Vec::new();
     for share in SHARES {
         let target_v = 0.5 * (least_v + most_v + share * (most_v - least_v));
-        let target = target_v as f32;
-        let drives = [
-            (1, Drive::Temperature { target_c: target }),
-            (2, Drive::SecondOrder { target, gain_per_tick: GAIN_PER_TICK }),
-        ];
-        for (order, drive) in drives {
-            let experiment = held(drive);
+        for order in [1, 2] {
+            let experiment = held(drive(order, target_v as f32));
             let predicted = predict(model, &experiment, &mut |_| Ok(()))?.run;
             let simulated = run_of(&experiment)?.summary;
             let both = [&predicted.phases[0], &simulated.phases[0]];
@@ -67,6 +62,14 @@ pub fn predicted(model: &Model, prbs: &DeviceExperiment) -> Result<Vec<LoopFigur
         }
     }
     Ok(all)
+}
+
+/// A loop of an order at a set-point.
+fn drive(order: u8, target: f32) -> Drive {
+    match order {
+        1 => Drive::Temperature { target_c: target },
+        _ => Drive::SecondOrder { target, gain_per_tick: GAIN_PER_TICK },
+    }
 }
 
 /// Days at a set-point.
@@ -88,17 +91,10 @@ pub struct DaysFigures {
 
 /// Both orders over an experiment of days, whose first phase holds the set-point; pictures are
 /// drawn of either.
-pub fn days(
-    experiment: &DeviceExperiment,
-    draw: &dyn Fn(&str, &Recording) -> Result<(), StudyError>,
-) -> Result<[DaysFigures; 2], StudyError> {
+pub fn days(experiment: &DeviceExperiment, draw: &dyn Fn(&str, &Recording) -> Result<()>) -> Result<[DaysFigures; 2]> {
     let target = experiment.phases[0].drive.target_range_c().map_or(0.0, |(target, _)| target);
-    let of = |order: u8| -> Result<DaysFigures, StudyError> {
-        let drive = match order {
-            1 => Drive::Temperature { target_c: target },
-            _ => Drive::SecondOrder { target, gain_per_tick: GAIN_PER_TICK },
-        };
-        let phases = vec![DevicePhase { tick: 0, label: String::new(), drive }];
+    let of = |order: u8| -> Result<DaysFigures> {
+        let phases = vec![DevicePhase { tick: 0, label: String::new(), drive: drive(order, target) }];
         let record = run_of(&DeviceExperiment { phases, ..experiment.clone() })?;
         draw(&format!("mems-days-{order}.svg"), &record.recording)?;
         let reached_s = record.summary.phases[0].reached_s.unwrap_or(f64::NAN);

@@ -18,14 +18,13 @@ pub mod readings;
 pub mod records;
 pub mod report;
 
+use anyhow::Result;
 use std::path::Path;
 
 use dielectric::experiment::DeviceExperiment;
 use diffusive::identify::validate::{ValidationStart, validate};
 use diffusive::identify::{Constraints, DriftGiven, IdentifyOptions, InitialState, identify};
 use plot::Canvas;
-
-use crate::thesis::StudyError;
 
 pub use report::{MemsReport, TwoSymbolFigures};
 
@@ -36,7 +35,7 @@ const DAY_S: f64 = 86_400.0;
 ///
 /// # Errors
 /// If an experiment is missing or a run fails.
-pub fn measure(experiments: &Path, pictures: &Path, progress: &dyn Fn(&str)) -> Result<MemsReport, StudyError> {
+pub fn measure(experiments: &Path, pictures: &Path, progress: &dyn Fn(&str)) -> Result<MemsReport> {
     let read = |name: &str| DeviceExperiment::read(&experiments.join(name));
     let picture = |name: &str| Canvas::create(&pictures.join(name));
     progress("two days of pseudo-random symbols");

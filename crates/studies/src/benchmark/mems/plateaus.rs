@@ -1,6 +1,7 @@
 //! Where the loop of first order locks: plateaus predicted from an identified model, and searched
 //! for in the simulated loop.
 
+use anyhow::Result;
 use dielectric::experiment::{DeviceExperiment, DevicePhase};
 use dielectric::predict::{DevicePredictError, Plateau, response_of};
 use diffusive::identify::{DriftGiven, IdentifyOptions, identify};
@@ -8,7 +9,6 @@ use dr_core::control::Drive;
 use serde::Serialize;
 
 use super::records::run_of;
-use crate::thesis::StudyError;
 
 /// Plateaus that are compared: the widest.
 const COUNT: usize = 5;
@@ -37,7 +37,7 @@ pub struct PlateauFigures {
 }
 
 /// Identifies the device of an experiment from its own run, and compares the widest plateaus.
-pub fn compare(experiment: &DeviceExperiment) -> Result<Vec<PlateauFigures>, StudyError> {
+pub fn compare(experiment: &DeviceExperiment) -> Result<Vec<PlateauFigures>> {
     let record = run_of(experiment)?;
     let options = IdentifyOptions { drift: DriftGiven::None, ..IdentifyOptions::default() };
     let model = identify(&mut record.table()?, &options, &mut |_, _, _| {}, &mut |_| {})?;
@@ -50,7 +50,7 @@ pub fn compare(experiment: &DeviceExperiment) -> Result<Vec<PlateauFigures>, Stu
         let (middle_v, width_v) = (0.5 * (plateau.from_v + plateau.to_v), plateau.to_v - plateau.from_v);
         let is_inside = |target_v: f64| {
             let drive = Drive::Temperature { target_c: target_v as f32 };
-            Ok::<bool, StudyError>((mean_symbol(experiment, drive)? - plateau.mean_symbol).abs() < 1e-9)
+            anyhow::Ok((mean_symbol(experiment, drive)? - plateau.mean_symbol).abs() < 1e-9)
         };
         let edge = |towards: f64| {
             // From the middle outwards; beyond twice its width there is another stream.
@@ -59,12 +59,12 @@ pub fn compare(experiment: &DeviceExperiment) -> Result<Vec<PlateauFigures>, Stu
                 let at = 0.5 * (inside + outside);
                 if is_inside(middle_v + towards * at)? { inside = at } else { outside = at }
             }
-            Ok::<f64, StudyError>(middle_v + towards * 0.5 * (inside + outside))
+            anyhow::Ok(middle_v + towards * 0.5 * (inside + outside))
         };
         let places_v = [plateau.from_v + 0.1 * width_v, middle_v, plateau.to_v - 0.1 * width_v];
         let mean_of = |drive: &dyn Fn(f32) -> Drive| {
             let [low, middle, high] = places_v.map(|target_v| mean_symbol(experiment, drive(target_v as f32)));
-            Ok::<[f64; 3], StudyError>([low?, middle?, high?])
+            anyhow::Ok([low?, middle?, high?])
         };
         Ok(PlateauFigures {
             predicted: *plateau,
@@ -78,7 +78,7 @@ pub fn compare(experiment: &DeviceExperiment) -> Result<Vec<PlateauFigures>, Stu
 }
 
 /// Mean symbol at the end of a loop.
-fn mean_symbol(experiment: &DeviceExperiment, drive: Drive) -> Result<f64, StudyError> {
+fn mean_symbol(experiment: &DeviceExperiment, drive: Drive) -> Result<f64> {
     let phases = vec![DevicePhase { tick: 0, label: String::new(), drive }];
     let record = run_of(&DeviceExperiment { phases, ticks: LOOP_TICKS, ..experiment.clone() })?;
     let seen = &record.rows[record.rows.len() - SEEN_TICKS..];

@@ -1,13 +1,12 @@
 //! A run of the simulated device, in memory.
 
+use anyhow::Result;
 use dielectric::experiment::DeviceExperiment;
 use dielectric::run::{DeviceRunSummary, layout, metadata, run};
 use diffusive::identify::record::{RecordError, RecordTable};
 use host_sim::instrument::in_process::InProcess;
 use host_sim::run::RunError;
 use recording::{Collector, Recording};
-
-use crate::thesis::StudyError;
 
 /// One run.
 pub struct DeviceRecord {
@@ -35,7 +34,7 @@ pub struct DeviceNumbers {
 }
 
 /// Runs an experiment on its simulated device.
-pub fn run_of(experiment: &DeviceExperiment) -> Result<DeviceRecord, StudyError> {
+pub fn run_of(experiment: &DeviceExperiment) -> Result<DeviceRecord> {
     let known = metadata(experiment, "sim");
     let mut collector = Collector::thinned(layout(experiment, true), &known);
     let mut rows = Vec::with_capacity(experiment.ticks as usize);

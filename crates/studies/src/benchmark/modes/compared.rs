@@ -54,24 +54,6 @@ pub struct ModeFigures {
     pub support_percent: f64,
 }
 
-/// Why a head cannot be compared.
-#[derive(Debug, thiserror::Error)]
-pub enum ModesError {
-    /// Its file.
-    #[error(transparent)]
-    File(#[from] FileError),
-    /// A run.
-    #[error("{mode} at {overheat_k} K: {sentence}")]
-    Run {
-        /// In which mode.
-        mode: &'static str,
-        /// Elements over the gas, K.
-        overheat_k: f64,
-        /// Why.
-        sentence: String,
-    },
-}
-
 /// A head with the same elements held in every mode.
 pub struct ComparedHead {
     /// The head.

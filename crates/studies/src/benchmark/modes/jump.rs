@@ -1,5 +1,6 @@
 //! A run in which the wind steps, in one operating mode.
 
+use anyhow::{Result, anyhow};
 use std::fmt::Write as _;
 
 use host_sim::experiment::Experiment;
@@ -7,7 +8,7 @@ use host_sim::instrument::in_process;
 use host_sim::run::run;
 use recording::toml_file::TomlSource;
 
-use super::compared::{ComparedHead, ModesError, OperatingMode, WINDS_M_S};
+use super::compared::{ComparedHead, OperatingMode, WINDS_M_S};
 
 /// Averaged over, s: bits are no reading.
 const MEAN_S: f64 = 0.5;
@@ -71,9 +72,9 @@ impl JumpCourse {
 ///
 /// # Errors
 /// If it does not run to its end.
-pub fn course(compared: &ComparedHead, mode: OperatingMode) -> Result<JumpCourse, ModesError> {
+pub fn course(compared: &ComparedHead, mode: OperatingMode) -> Result<JumpCourse> {
     let overheat_k = compared.conditions.overheat_k;
-    let refuse = |sentence: String| ModesError::Run { mode: mode.name(), overheat_k, sentence };
+    let refuse = |sentence: String| anyhow!("{} at {overheat_k} K: {sentence}", mode.name());
     let source =
         TomlSource { path: compared.head.source.path.with_file_name("modes.toml"), text: text(compared, mode) };
     let experiment = Experiment::of_head(source, compared.head.clone())?;

@@ -23,31 +23,32 @@ pub mod report;
 pub mod warmer;
 
 use anemometry::head::Head;
+use anyhow::Result;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, Uniform};
 
-pub use compared::{ComparedHead, ModeFigures, ModesError, OperatingMode};
+pub use compared::{ComparedHead, ModeFigures, OperatingMode};
 pub use report::{HeadModes, ModesReport};
 
 /// The figures of all modes on one head.
 ///
 /// # Errors
 /// If it cannot be simulated, or a run trips.
-pub fn figures(head: &Head, overheat_k: f64) -> Result<Vec<ModeFigures>, ModesError> {
+pub fn figures(head: &Head, overheat_k: f64) -> Result<Vec<ModeFigures>> {
     let mut compared = ComparedHead::new(head.clone(), overheat_k)?;
     let mut all = Vec::new();
     let mut of_cta_s = None;
     for mode in OperatingMode::ALL {
         let course = jump::course(&compared, mode)?;
         let response_s = course.response_s();
-        let warmer = warmer::errors(&mut compared, mode);
+        let [gas_percent, support_percent] = warmer::errors(&mut compared, mode);
         all.push(ModeFigures {
             mode,
             response_s,
             creep_percent: course.left_percent(10.0 * *of_cta_s.get_or_insert(response_s)),
-            gas_percent: warmer.gas_percent,
-            support_percent: warmer.support_percent,
+            gas_percent,
+            support_percent,
         });
     }
     Ok(all)
@@ -58,7 +59,7 @@ pub fn figures(head: &Head, overheat_k: f64) -> Result<Vec<ModeFigures>, ModesEr
 ///
 /// # Errors
 /// As [`figures`].
-pub fn compare(head: &Head, overheat_k: f64, draws: usize, progress: &dyn Fn(&str)) -> Result<HeadModes, ModesError> {
+pub fn compare(head: &Head, overheat_k: f64, draws: usize, progress: &dyn Fn(&str)) -> Result<HeadModes> {
     progress(&head.name);
     let nominal = figures(head, overheat_k)?;
     let unknown = head.body.as_ref().map_or(&[][..], |body| &body.unknown);

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::table::ResultTable;
 
-use super::compared::{ModeFigures, OperatingMode, WINDS_M_S};
+use super::compared::{ModeFigures, WINDS_M_S};
 
 /// What `studies benchmark modes` reports.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -90,15 +90,15 @@ impl HeadModes {
         COLUMNS.iter().map(|(_, of)| cell(*of)).collect()
     }
 
-    fn modes(&self) -> impl Iterator<Item = OperatingMode> {
-        self.nominal.iter().map(|of| of.mode)
+    /// Its part of a page.
+    fn table(&self) -> ResultTable {
+        let rows =
+            (0..self.nominal.len()).map(|m| [vec![self.nominal[m].mode.name().to_owned()], self.row(m)].concat());
+        ResultTable::new(&format!("mode | {}", COLUMNS.map(|(title, _)| title).join(" | ")), rows)
     }
 
-    /// Its part of a page.
     fn page(&self) -> String {
-        let head = ["mode"].into_iter().chain(COLUMNS.map(|(title, _)| title)).collect::<Vec<_>>().join(" | ");
-        let rows = self.modes().enumerate().map(|(m, mode)| [vec![mode.name().to_owned()], self.row(m)].concat());
-        let table = ResultTable::new(&head, rows).markdown();
+        let table = self.table().markdown();
         format!("\n## {}\n\n{} K over the gas; {}.\n\n{table}", self.head, self.overheat_k, self.basis())
     }
 
@@ -113,15 +113,7 @@ impl HeadModes {
 impl fmt::Display for HeadModes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}, {} K over the gas; {}", self.head, self.overheat_k, self.basis())?;
-        write!(f, "\n{:<6}", "mode")?;
-        COLUMNS.iter().try_for_each(|(title, _)| write!(f, "{title:>28}"))?;
-        writeln!(f)?;
-        for (m, mode) in self.modes().enumerate() {
-            write!(f, "{:<6}", mode.name())?;
-            self.row(m).iter().try_for_each(|cell| write!(f, "{cell:>28}"))?;
-            writeln!(f)?;
-        }
-        Ok(())
+        write!(f, "\n{}", self.table().text())
     }
 }
 

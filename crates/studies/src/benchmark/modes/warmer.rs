@@ -12,17 +12,8 @@ use anemometry::gas::IdealGas;
 /// How much warmer, K.
 const WARMER_K: f64 = 10.0;
 
-/// Errors of the speed, %.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct WarmerErrors {
-    /// By the gas.
-    pub gas_percent: f64,
-    /// By the support.
-    pub support_percent: f64,
-}
-
-/// Errors of a mode.
-pub fn errors(compared: &mut ComparedHead, mode: OperatingMode) -> WarmerErrors {
+/// Errors of the speed in a mode, %: in a warmer gas, and on a warmer support.
+pub fn errors(compared: &mut ComparedHead, mode: OperatingMode) -> [f64; 2] {
     let believed_c = compared.conditions.temperature_c;
     let gas = |warmer_k: f64| compared.conditions.gas().map(|gas| gas.at(gas.temperature_k + warmer_k)).ok();
     let gases = [gas(0.0), gas(WARMER_K)];
@@ -38,10 +29,8 @@ pub fn errors(compared: &mut ComparedHead, mode: OperatingMode) -> WarmerErrors 
         let slope = (faster / plain).ln() / (WINDS_M_S[1] / WINDS_M_S[0]).ln();
         100.0 * (((other / plain).ln() / slope).exp() - 1.0)
     };
-    WarmerErrors {
-        gas_percent: percent(reading(gases[1], believed_c, WINDS_M_S[0])),
-        support_percent: percent(reading(gases[0], believed_c + WARMER_K, WINDS_M_S[0])),
-    }
+    let warm_support_c = believed_c + WARMER_K;
+    [reading(gases[1], believed_c, WINDS_M_S[0]), reading(gases[0], warm_support_c, WINDS_M_S[0])].map(percent)
 }
 
 /// r in a steady wind, W/K.

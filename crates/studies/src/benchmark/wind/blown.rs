@@ -1,10 +1,10 @@
 //! A run with anemometers beside it: several modes on the same ticks, for an anemometer decides
 //! nothing.
 
+use anyhow::{Context as _, Result};
 use wire::WindSample;
 
 use super::sphere::WindMode;
-use crate::thesis::StudyError;
 use crate::thesis::record::rows;
 use anemometry::head::calibration::checked::Calibration;
 use anemometry::head::{Head, WindOutput};
@@ -24,7 +24,7 @@ pub fn blow(
     head: &Head,
     modes: &[WindMode],
     each: &mut dyn FnMut(usize, &Moment, &WindSample),
-) -> Result<(), StudyError> {
+) -> Result<()> {
     let anemometers = modes.iter().map(|mode| beside(experiment, head, *mode));
     let mut anemometers: Vec<OffLineAnemometer<'_>> = anemometers.collect::<Result<_, _>>()?;
     let mut live = Ticks::new(experiment.sample_period_s);
@@ -43,15 +43,10 @@ pub fn blow(
 ///
 /// # Errors
 /// If the head has no calibration, or the bandwidth cannot be had.
-pub fn beside<'a>(
-    experiment: &Experiment,
-    head: &'a Head,
-    mode: WindMode,
-) -> Result<OffLineAnemometer<'a>, StudyError> {
+pub fn beside<'a>(experiment: &Experiment, head: &'a Head, mode: WindMode) -> Result<OffLineAnemometer<'a>> {
     let setup = SetUp::of(experiment, head, mode)?;
-    let mut anemometer = OffLineAnemometer::new(head, setup.calibration, &setup.output, experiment.sample_period_s)
-        .map_err(|error| StudyError::Other(error.to_string()))?;
-    anemometer.gas(setup.pressure_pa, setup.gas_c).map_err(|error| StudyError::Other(error.to_string()))?;
+    let mut anemometer = OffLineAnemometer::new(head, setup.calibration, &setup.output, experiment.sample_period_s)?;
+    anemometer.gas(setup.pressure_pa, setup.gas_c)?;
     Ok(anemometer)
 }
 
@@ -64,11 +59,10 @@ pub fn gas_errors_beside<'a>(
     head: &'a Head,
     mode: WindMode,
     gas: GasUncertainty,
-) -> Result<GasReadingErrors<'a>, StudyError> {
+) -> Result<GasReadingErrors<'a>> {
     let setup = SetUp::of(experiment, head, mode)?;
-    let mut errors = GasReadingErrors::new(gas, head, setup.calibration, &setup.output, experiment.sample_period_s)
-        .map_err(|error| StudyError::Other(error.to_string()))?;
-    errors.gas(setup.pressure_pa, setup.gas_c).map_err(|error| StudyError::Other(error.to_string()))?;
+    let mut errors = GasReadingErrors::new(gas, head, setup.calibration, &setup.output, experiment.sample_period_s)?;
+    errors.gas(setup.pressure_pa, setup.gas_c)?;
     Ok(errors)
 }
 
@@ -81,9 +75,9 @@ struct SetUp<'a> {
 }
 
 impl<'a> SetUp<'a> {
-    fn of(experiment: &Experiment, head: &'a Head, mode: WindMode) -> Result<Self, StudyError> {
-        let none = || StudyError::Other(format!("head `{}` has no calibration", head.name));
-        let calibration = head.calibration.as_ref().ok_or_else(none)?;
+    fn of(experiment: &Experiment, head: &'a Head, mode: WindMode) -> Result<Self> {
+        let none = || format!("head `{}` has no calibration", head.name);
+        let calibration = head.calibration.as_ref().with_context(none)?;
         Ok(Self {
             calibration,
             output: WindOutput::new(Some(mode.bandwidth_hz), None, mode.fixed, experiment.sample_period_s),

@@ -1,8 +1,8 @@
 //! From the experiments of a head to its calibration, in memory: what `anemo run`,
 //! `anemo head identify` and `anemo calibrate` do with files.
 
+use crate::thesis::StudyLab;
 use crate::thesis::record::rows;
-use crate::thesis::{StudyError, StudyLab};
 use anemometry::calibrate::SteadyWind;
 use anemometry::calibrate::calibrator::{Calibrator, NetworkSource};
 use anemometry::calibrate::drawn::DrawnOptions;
@@ -10,6 +10,7 @@ use anemometry::head::Head;
 use anemometry::network::identify::{PolesPerPair, identify};
 use anemometry::network::record::QuiescentRecord;
 use anemometry::wind::moment::Ticks;
+use anyhow::Result;
 use diffusive::model::Model;
 use host_sim::experiment::Experiment;
 use recording::{Collector, Metadata, RecordingLayout};
@@ -24,12 +25,7 @@ const DIRECTION_ERROR_MAX_DEG: f64 = 20.0;
 ///
 /// # Errors
 /// What could not be run or identified.
-pub fn network(
-    lab: &StudyLab,
-    elements: &[&str],
-    poles: PolesPerPair,
-    duration_s: Option<f64>,
-) -> Result<Model, StudyError> {
+pub fn network(lab: &StudyLab, elements: &[&str], poles: PolesPerPair, duration_s: Option<f64>) -> Result<Model> {
     let mut experiments = Vec::with_capacity(elements.len());
     for element in elements {
         let mut experiment = lab.experiment(&format!("identify-{element}"))?;
@@ -50,18 +46,18 @@ pub fn network_of(
     experiments: Vec<Experiment>,
     elements: &[&str],
     poles: PolesPerPair,
-) -> Result<Model, StudyError> {
+) -> Result<Model> {
     let mut records = Vec::with_capacity(experiments.len());
     for experiment in experiments {
         lab.announce(&experiment);
         let wanted: Vec<String> = elements.iter().map(|&name| name.to_owned()).collect();
-        records.push(recorded(&experiment)?.only(&wanted).map_err(other)?);
+        records.push(recorded(&experiment)?.only(&wanted)?);
     }
-    identify(records.len(), &|n| Ok(records[n].clone()), poles, &mut |_, _, _| {}).map_err(other)
+    Ok(identify(records.len(), &|n| Ok(records[n].clone()), poles, &mut |_, _, _| {})?)
 }
 
 /// A record in memory.
-fn recorded(experiment: &Experiment) -> Result<QuiescentRecord, StudyError> {
+fn recorded(experiment: &Experiment) -> Result<QuiescentRecord> {
     let names = experiment.head.names();
     let layout = RecordingLayout {
         elements: names.iter().copied().map(str::to_owned).collect(),
@@ -78,19 +74,18 @@ fn recorded(experiment: &Experiment) -> Result<QuiescentRecord, StudyError> {
     known.push(("head".to_owned(), experiment.head.source.text.clone()));
     let mut collector = Collector::new(layout, &known);
     rows(experiment, &mut |row| Ok(collector.push(row)?))?;
-    QuiescentRecord::of(&collector.finish(&Metadata::new())).map_err(other)
+    Ok(QuiescentRecord::of(&collector.finish(&Metadata::new()))?)
 }
 
 /// The calibrated head and its file, from the run in the tunnel.
 ///
 /// # Errors
 /// What could not be run, or which winds are missing.
-pub fn calibrated(tunnel: &Experiment, model: &Model, settle_s: f64) -> Result<(Head, String), StudyError> {
-    let calibrator = Calibrator::new(&tunnel.head, NetworkSource::Identified(model), &DrawnOptions::default(), None)
-        .map_err(other)?;
+pub fn calibrated(tunnel: &Experiment, model: &Model, settle_s: f64) -> Result<(Head, String)> {
+    let calibrator = Calibrator::new(&tunnel.head, NetworkSource::Identified(model), &DrawnOptions::default(), None)?;
     let steady = steady(&calibrator, tunnel, settle_s)?;
     let made = calibrator.calibrated(&steady, "1 recording", DIRECTION_ERROR_MAX_DEG);
-    let made = made.map_err(other)?;
+    let made = made?;
     Ok((made.head, made.text))
 }
 
@@ -98,10 +93,10 @@ pub fn calibrated(tunnel: &Experiment, model: &Model, settle_s: f64) -> Result<(
 ///
 /// # Errors
 /// What could not be run, or is not known of the gas.
-pub fn steady(calibrator: &Calibrator, tunnel: &Experiment, settle_s: f64) -> Result<Vec<SteadyWind>, StudyError> {
+pub fn steady(calibrator: &Calibrator, tunnel: &Experiment, settle_s: f64) -> Result<Vec<SteadyWind>> {
     let search = calibrator.search(settle_s, None);
     let name = std::path::Path::new(&tunnel.title);
-    let mut looking = search.begin(name, tunnel.conditions(), tunnel.sample_period_s).map_err(other)?;
+    let mut looking = search.begin(name, tunnel.conditions(), tunnel.sample_period_s)?;
     let mut live = Ticks::new(tunnel.sample_period_s);
     let mut failed = None;
     rows(tunnel, &mut |row| {
@@ -111,11 +106,7 @@ pub fn steady(calibrator: &Calibrator, tunnel: &Experiment, settle_s: f64) -> Re
         Ok(())
     })?;
     match failed {
-        Some(error) => Err(other(error)),
-        None => Ok(looking.finish().map_err(other)?.steady),
+        Some(error) => Err(error.into()),
+        None => Ok(looking.finish()?.steady),
     }
-}
-
-fn other(error: impl std::fmt::Display) -> StudyError {
-    StudyError::Other(error.to_string())
 }

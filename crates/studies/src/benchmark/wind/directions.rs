@@ -2,11 +2,12 @@
 
 use super::blown::blow;
 use super::sphere::WindMode;
-use crate::thesis::{StudyError, StudyLab};
+use crate::thesis::StudyLab;
 use anemometry::head::Head;
 use anemometry::head::calibration::checked::Calibration;
 use anemometry::wind::comparison::WindComparison;
 use anemometry::wind::off_line::axes;
+use anyhow::Result;
 
 /// Of every wind so much is left out, s: the answers that count are those of a wind, not of the
 /// change to it.
@@ -27,7 +28,7 @@ pub struct Directions {
 ///
 /// # WindComparison
 /// What could not be run.
-pub fn measure(lab: &StudyLab, head: &Head, modes: &[WindMode]) -> Result<Vec<Directions>, StudyError> {
+pub fn measure(lab: &StudyLab, head: &Head, modes: &[WindMode]) -> Result<Vec<Directions>> {
     let experiment = lab.experiment("winds")?;
     lab.announce(&experiment);
     let winds = experiment.wind.iter().filter(|wind| wind.speed_m_s > 0.0).count();
@@ -45,7 +46,7 @@ pub fn of(
     experiment: &host_sim::experiment::Experiment,
     head: &Head,
     modes: &[WindMode],
-) -> Result<Vec<WindComparison>, StudyError> {
+) -> Result<Vec<WindComparison>> {
     let plane = head.calibration.as_ref().and_then(Calibration::plane_normal);
     let mut errors = vec![WindComparison::in_plane(plane); modes.len()];
     let axes = head.calibration.as_ref().map(|calibration| axes(head, calibration)).unwrap_or_default();

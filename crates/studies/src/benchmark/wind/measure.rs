@@ -1,5 +1,6 @@
 //! All measurements of one sphere, and of both at once.
 
+use anyhow::{Result, anyhow};
 use std::path::Path;
 
 use super::chain;
@@ -8,7 +9,7 @@ use super::sphere::{BenchmarkSphere, SPHERE_A, SPHERE_B, modes};
 use super::steps::{self, Drift, StepResponses};
 use super::swing::{self, TemperatureSwingErrors};
 use super::turbulence::{self, TurbulenceResponse};
-use crate::thesis::{StudyError, StudyLab};
+use crate::thesis::StudyLab;
 use anemometry::calibrate::report::{ConductanceNoise, conductance_noise};
 use anemometry::head::Head;
 use anemometry::network::identify::PolesPerPair;
@@ -41,7 +42,7 @@ pub struct MeasuredSphere {
 ///
 /// # Errors
 /// What could not be read, run, identified or calibrated.
-pub fn measure(folder: &Path, sphere: BenchmarkSphere, progress: &dyn Fn(&str)) -> Result<MeasuredSphere, StudyError> {
+pub fn measure(folder: &Path, sphere: BenchmarkSphere, progress: &dyn Fn(&str)) -> Result<MeasuredSphere> {
     let lab = StudyLab::new(folder.join(sphere.folder), progress);
     let model = chain::network(&lab, sphere.elements, PolesPerPair::default(), None)?;
     let tunnel = lab.experiment("tunnel")?;
@@ -66,12 +67,11 @@ pub fn measure(folder: &Path, sphere: BenchmarkSphere, progress: &dyn Fn(&str)) 
 ///
 /// # Errors
 /// The first that came to no end.
-pub fn both(folder: &Path, progress: &(dyn Fn(&str) + Sync)) -> Result<[MeasuredSphere; 2], StudyError> {
-    let ended = || StudyError::Other("a thread of the benchmark ended before its time".to_owned());
+pub fn both(folder: &Path, progress: &(dyn Fn(&str) + Sync)) -> Result<[MeasuredSphere; 2]> {
     std::thread::scope(|scope| {
         let other = scope.spawn(|| measure(folder, SPHERE_A, &|what: &str| progress(what)));
         let b = measure(folder, SPHERE_B, &|what: &str| progress(what));
-        let a = other.join().map_err(|_| ended())?;
+        let a = other.join().map_err(|_| anyhow!("a thread of the benchmark ended before its time"))?;
         Ok([b?, a?])
     })
 }

@@ -7,7 +7,7 @@
 //! | [`blown`] | a run, with anemometers of several bandwidths beside the same ticks |
 //! | [`directions`] | errors of speed and direction in 500 winds that no calibration has seen |
 //! | [`steps`] | the answer to sudden steps, and what drifts after one |
-//! | [`turbulence`], [`coherence`] | how far up in frequency the estimates follow |
+//! | [`turbulence`] | how far up in frequency the estimates follow |
 //! | [`swing`] | the gas's temperature swinging |
 //! | [`mod@measure`], [`sphere`] | all of it, for each sphere |
 //! | [`findings`] | the bars, and what was measured |
@@ -17,7 +17,6 @@
 
 pub mod blown;
 pub mod chain;
-pub mod coherence;
 pub mod directions;
 pub mod findings;
 pub mod measure;

@@ -5,13 +5,13 @@ use std::fmt;
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
-use super::coherence::Band;
 use super::directions::Directions;
 use super::findings::findings;
 use super::measure::MeasuredSphere;
 use super::page::page;
 use super::sphere::WindMode;
 use super::steps::{Drift, Way};
+use super::turbulence::Band;
 use anemometry::calibrate::report::ConductanceNoise;
 
 /// The spheres that were measured.

@@ -11,9 +11,10 @@
 
 use super::blown::{RawLaw, blow, raw_w_k};
 use super::sphere::WindMode;
+use crate::thesis::StudyLab;
 use crate::thesis::lab::alternating;
-use crate::thesis::{StudyError, StudyLab};
 use anemometry::head::Head;
+use anyhow::{Result, bail};
 
 /// How near an answer has to stay.
 const WITHIN: f64 = 0.05;
@@ -60,12 +61,7 @@ pub struct StepResponses {
 ///
 /// # Errors
 /// What could not be run.
-pub fn measure(
-    lab: &StudyLab,
-    head: &Head,
-    modes: &[WindMode],
-    drift: &mut Drift,
-) -> Result<Vec<StepResponses>, StudyError> {
+pub fn measure(lab: &StudyLab, head: &Head, modes: &[WindMode], drift: &mut Drift) -> Result<Vec<StepResponses>> {
     let base = lab.experiment("steps")?;
     let experiment = alternating(&base, BEFORE_S, HOLD_S, 2 * REPEATS, base.sample_period_s)?;
     lab.announce(&experiment);
@@ -149,14 +145,10 @@ pub struct Drift {
 ///
 /// # Errors
 /// What could not be run.
-pub fn drift(lab: &StudyLab, head: &Head) -> Result<Drift, StudyError> {
+pub fn drift(lab: &StudyLab, head: &Head) -> Result<Drift> {
     let experiment = lab.experiment("steps")?;
     let [before, first, second] = &experiment.wind[..] else {
-        return Err(StudyError::Other(format!(
-            "{}: has {} winds in place of 3",
-            experiment.title,
-            experiment.wind.len()
-        )));
+        bail!("{}: has {} winds in place of 3", experiment.title, experiment.wind.len());
     };
     lab.announce(&experiment);
     let (mut time_s, mut speed, mut raw) = (Vec::new(), Vec::new(), Vec::new());

@@ -3,8 +3,9 @@
 
 use super::blown::{blow, raw_w_k};
 use super::sphere::WindMode;
-use crate::thesis::{StudyError, StudyLab};
+use crate::thesis::StudyLab;
 use anemometry::head::Head;
+use anyhow::{Context as _, Result};
 
 /// Means that are looked at, s.
 const MEAN_S: f64 = 10.0;
@@ -28,11 +29,11 @@ pub struct TemperatureSwingErrors {
 ///
 /// # Errors
 /// What could not be run.
-pub fn measure(lab: &StudyLab, head: &Head) -> Result<TemperatureSwingErrors, StudyError> {
+pub fn measure(lab: &StudyLab, head: &Head) -> Result<TemperatureSwingErrors> {
     let experiment = lab.experiment("gas-swing")?;
     lab.announce(&experiment);
     let swing = experiment.gas_swing;
-    let swing = swing.ok_or_else(|| StudyError::Other(format!("{}: its gas does not swing", experiment.title)))?;
+    let swing = swing.with_context(|| format!("{}: its gas does not swing", experiment.title))?;
     let truth_m_s = experiment.wind[0].speed_m_s;
     let mut means: Vec<(f64, f64, f64)> = Vec::new();
     blow(&experiment, head, &[MODE], &mut |_, moment, answer| {
