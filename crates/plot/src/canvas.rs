@@ -6,8 +6,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use crate::engine::chart::Figure;
-use crate::error::PlotError;
-use crate::picture::{PictureFormat, PictureWidth};
+use crate::picture::{PictureFormat, PictureWidth, PlotError};
 use crate::{model, run};
 use diffusive::model::Model;
 use recording::{Temporary, ThinnedRecording};

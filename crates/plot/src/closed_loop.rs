@@ -1,8 +1,7 @@
 //! Closed loops: poles and zeros with the power after a step, and predicted against recorded power.
 
-use crate::engine::axis::Scale;
+use crate::engine::axis::{Scale, extent};
 use crate::engine::chart::{Chart, Figure};
-use crate::engine::extent::extent;
 use crate::engine::reduce::{BINS, Bin, bins};
 use crate::engine::trace::Trace;
 use crate::engine::words::{brief, power_unit};

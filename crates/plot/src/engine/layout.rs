@@ -3,13 +3,12 @@
 
 use super::axis::Scale;
 use super::chart::{Chart, ChartFrame, Shading, Shown};
+use super::colour::{Marker, Pen};
 use super::head::{ChartHead, LegendEntry, LegendSample, TEXT};
-use super::line_ends::{END_GAP, LineEnd};
-use super::pen::{Marker, Pen};
 use super::scaled::ScaledAxis;
 use super::svg::{MM, Rect, Svg};
-use super::trace::{Trace, TraceStyle};
-pub use super::type_face::LABEL;
+use super::trace::{END_GAP, LineEnd, Trace, TraceStyle};
+pub use super::words::LABEL;
 use super::words::{self, two_lines, width};
 
 /// At the edges of the page.

@@ -3,9 +3,8 @@
 
 use std::fmt::Write as _;
 
-use super::colour::{Colour, PAPER};
-use super::pen::{Marker, Pen};
-use super::type_face::Weight;
+use super::colour::{Colour, Marker, PAPER, Pen};
+use super::words::Weight;
 use recording::text::markup;
 
 /// Points in a millimetre.

@@ -5,8 +5,7 @@ use std::path::Path;
 
 use super::bode::bode;
 use super::fit::{FitSeries, whiteness};
-use super::spectrum::{impedances, spectrum};
-use super::structure::structure;
+use super::spectrum::{impedances, spectrum, structure};
 use crate::engine::chart::{Chart, Figure};
 use crate::engine::words::brief;
 use diffusive::model::{Model, ModelOutput, Structure};

@@ -1,9 +1,9 @@
 //! Charts of a MEMS capacitor: voltage shift, mean symbol, and offset of the capacitance.
 
 use super::figure::RunCharts;
+use crate::engine::axis::extent;
 use crate::engine::chart::Chart;
 use crate::engine::colour::{PALETTE, TRUTH};
-use crate::engine::extent::extent;
 use crate::engine::reduce::{BINS, MeanPower, mean_power};
 use crate::engine::trace::Trace;
 use crate::engine::words::brief;

@@ -6,17 +6,15 @@
 //! hundred kilobytes in which a single odd tick can still be seen. Charts for which the recording
 //! has no columns are left out.
 
-use super::columns::{VectorColumns, stretches};
-use super::set_points::SetPoint;
+use super::columns::{SetPoint, VectorColumns, stretches};
 use super::wind::WindEstimates;
+use crate::engine::axis::extent;
 use crate::engine::chart::{Chart, ChartFrame, Figure, Shading};
-use crate::engine::colour::{Colour, INK, PALETTE, REFERENCE, STRETCHES};
-use crate::engine::extent::extent;
-use crate::engine::pen::Pen;
+use crate::engine::colour::{Colour, INK, PALETTE, Pen, REFERENCE, STRETCHES};
 use crate::engine::reduce::{BINS, Bin, MeanPower, bins, mean_power};
 use crate::engine::trace::Trace;
 use crate::engine::words::{brief, power_unit};
-use crate::error::PlotError;
+use crate::picture::PlotError;
 use anemometry::vector::length;
 use recording::text::count;
 use recording::{HEATER, POWER, Recording, STATE, TRUE_WIND};

@@ -1,10 +1,9 @@
 //! Charts of a run's temperatures, and of how well its loops hold them.
 
 use super::figure::RunCharts;
+use crate::engine::axis::extent;
 use crate::engine::chart::Chart;
-use crate::engine::colour::{GAS, QUIET};
-use crate::engine::extent::extent;
-use crate::engine::pen::Pen;
+use crate::engine::colour::{GAS, Pen, QUIET};
 use crate::engine::reduce::{Bin, reach};
 use crate::engine::trace::{CURVE, Trace};
 use crate::engine::words::brief;
