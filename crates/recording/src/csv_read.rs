@@ -8,8 +8,7 @@ use std::fs::File;
 use std::path::Path;
 
 use crate::column::{CHUNK, ChunkSource, ColumnValues, Metadata, RowCell, TableHead};
-use crate::csv_lines::CsvLines;
-use crate::dialect::{BLANK, Dialect, without_runs};
+use crate::csv_lines::{BLANK, CsvLines, Dialect, without_runs};
 use crate::error::RecordingError;
 use crate::names::{EVENT, STATE, UTC};
 use crate::utc;

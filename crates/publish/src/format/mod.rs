@@ -4,10 +4,8 @@
 
 pub mod gill;
 pub mod home_assistant;
-pub mod nmea;
-mod numbers;
 
-pub use numbers::FeedColumns;
+pub use home_assistant::FeedColumns;
 
 /// Bytes combined by exclusive or, as NMEA 0183 and Gill's strings check themselves.
 fn xor(text: &str) -> u8 {

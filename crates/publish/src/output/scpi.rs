@@ -1,8 +1,8 @@
 //! SCPI by TCP: a thread a connection, since the answer to a command may take seconds.
 
-use super::context::{Output, PublishContext, PublishError};
 use super::scpi_session::{ScpiInstrument, ScpiLatest, ScpiSession};
 use super::text;
+use super::{Output, PublishContext, PublishError};
 use crate::feed::{FeedLayout, FeedRow};
 use crate::listen::Listener;
 use crate::target::{PublishTarget, PublishWay};

@@ -6,9 +6,8 @@ use std::time::UNIX_EPOCH;
 use dr_core::wind::QualityFlags;
 use serde::{Deserialize, Serialize};
 
-use super::channels::PageChannel;
 use super::spectrum::NoiseSpectrum;
-use super::state::PageState;
+use super::state::{PageChannel, PageState};
 use super::window::Bucket;
 use crate::commands::{CommandRefusal, FeedCommand};
 use crate::feed::FeedWind;

@@ -14,8 +14,6 @@
 //! A listener that is slow gets fewer pictures and holds nobody up. Whoever lacks the token, or
 //! asks by another name of this computer, or from another page, is refused.
 
-mod assets;
-mod channels;
 mod connection;
 mod http;
 mod message;

@@ -4,12 +4,10 @@
 mod decimated;
 mod journal;
 mod options;
-mod owned_row;
 mod recorder;
 mod recover;
 mod salvage;
 mod segments;
-mod soundness;
 mod table;
 
 use std::io::ErrorKind;
@@ -18,13 +16,12 @@ use std::time::{Duration, Instant, SystemTime};
 
 use crate::column::{ColumnKind, Metadata, RowCell, overlay};
 use crate::error::RecordingError;
-use crate::file_format::check_name;
 use crate::names::{FORMAT, TIME, UTC};
-use crate::parts::{SEGMENT_NUMBER, journal_in, journal_of};
+use crate::parts::{SEGMENT_NUMBER, check_name, journal_in, journal_of};
 use crate::row::{RecordingLayout, RecordingRow};
 use decimated::RowDecimator;
 use journal::Journal;
-use owned_row::stamped;
+use recorder::stamped;
 use recover::incomplete;
 use segments::Segments;
 use table::{TableWriter, unwritten};

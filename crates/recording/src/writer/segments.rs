@@ -11,9 +11,8 @@ use super::options::SegmentLength;
 use super::table::unwritten;
 use crate::column::{ColumnValues, Metadata};
 use crate::error::RecordingError;
-use crate::parts::{journal_in, next_number, segments_in};
+use crate::parts::{journal_in, next_number, segment_in, segments_in};
 use crate::reader::RecordingReader;
-use crate::segment_names::segment_in;
 use crate::temporary::sync_name;
 
 /// A recording in a folder that another one continues.
