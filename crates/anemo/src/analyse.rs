@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::options::PictureArguments;
 use crate::output::Failure;
-use crate::picture::PictureArguments;
 use diffusive::model::Model;
 use diffusive::predict::analysis_report::{AnalysisReport, AnalysisRequest};
 use plot::closed_loop;

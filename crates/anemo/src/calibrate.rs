@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use indicatif::ProgressBar;
 
-use crate::choice::choice;
+use crate::options::choice;
 use crate::output::{Failure, head_of, warn};
 use anemometry::calibrate::error::CalibratorError;
 use anemometry::calibrate::{

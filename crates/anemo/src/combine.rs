@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::options::PictureArguments;
 use crate::output::Failure;
-use crate::picture::PictureArguments;
-use crate::recorded::RecordingOutputs;
+use crate::record::RecordingOutputs;
 use anemometry::combine::combination::InstrumentAnswer;
 use anemometry::combine::estimate::Combiner;
 use anemometry::combine::instrument::InstrumentKind;

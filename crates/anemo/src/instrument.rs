@@ -3,13 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use crate::choice::choice;
+use crate::options::choice;
 use crate::output::Failure;
 use host_sim::instrument::emulated::{Emulated, EmulatorLink};
-use host_sim::instrument::in_process;
 use host_sim::instrument::serial::Serial;
 use host_sim::instrument::virtual_line::{self, VirtualBoardFiles, VirtualLine};
-use host_sim::instrument::{InstrumentPort, LinkReport, LockStep, LockStepController, SettingsPort, setup};
+use host_sim::instrument::{InstrumentPort, LinkReport, LockStep, LockStepController, SettingsPort, in_process, setup};
 use host_sim::sensor::Sensor;
 use wire::BoardKind;
 

@@ -3,7 +3,7 @@
 use std::net::{IpAddr, Ipv4Addr};
 use std::sync::Arc;
 
-use crate::mounting_options::MountingArguments;
+use crate::options::MountingArguments;
 use crate::output::{Failure, complain};
 use anemometry::head::Head;
 use publish::commands::FeedCommands;

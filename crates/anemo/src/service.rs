@@ -1,6 +1,8 @@
 //! A log as a service of the system: the unit that systemd starts it by.
+//!
+//! The program that does commands like this one: for work that is handed to other processes.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::output::Failure;
 
@@ -12,7 +14,7 @@ const OPTION: &str = "--service";
 /// # Errors
 /// If a word of the command is no text, or this program's place is not known.
 pub(super) fn unit(title: &str) -> Result<String, Failure> {
-    let program = crate::program::own_program()?;
+    let program = crate::service::own_program()?;
     let folder = std::env::current_dir().map_err(Failure::work)?;
     let arguments = std::env::args_os().skip(1).filter(|argument| argument != OPTION);
     let arguments = arguments.map(|argument| word(Path::new(&argument)));
@@ -57,6 +59,14 @@ fn word(word: &Path) -> Result<String, Failure> {
     let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "/._-:=+,%".contains(letter);
     let needs_quotes = escaped.is_empty() || !escaped.chars().all(is_plain);
     Ok(if needs_quotes { format!("\"{}\"", escaped.replace('\n', "\\n")) } else { escaped })
+}
+
+/// Set by a program around the command line to that which starts it: the Python package's script.
+const STARTED_BY: &str = "ANEMO_PROGRAM";
+
+pub(super) fn own_program() -> Result<PathBuf, Failure> {
+    let named = std::env::var_os(STARTED_BY).map(PathBuf::from).filter(|path| path.is_file());
+    named.map_or_else(|| std::env::current_exe().map_err(Failure::work), Ok)
 }
 
 #[cfg(test)]

@@ -2,11 +2,9 @@
 
 use std::path::PathBuf;
 
-use crate::choice::choice;
-use crate::columns::Columns;
-use crate::fit_recorder::FitRecorder;
+use crate::identify::FitRecorder;
+use crate::options::{Columns, PictureArguments, choice};
 use crate::output::Failure;
-use crate::picture::PictureArguments;
 use diffusive::identify::record::{RecordSource as _, RecordStream, Selection};
 use diffusive::identify::validate::{ValidationStart, validate};
 use diffusive::model::{Model, ModelError};

@@ -2,16 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::mounting_options::MountingArguments;
+use crate::options::{MountingArguments, PictureArguments};
 use crate::output::{Failure, has_elements, head_of};
-use crate::picture::PictureArguments;
-use crate::recorded::RecordingOutputs;
+use crate::record::RecordingOutputs;
 use anemometry::head::{Head, WindOutput};
 use anemometry::wind::error::WindError;
 use anemometry::wind::field_correction::{FieldCorrection, SlowErrorKind};
 use anemometry::wind::gas_uncertainty::GasUncertainty;
-use anemometry::wind::given_winds;
-use anemometry::wind::{EstimatedWind, WindEstimation, WindOptions};
+use anemometry::wind::{EstimatedWind, WindEstimation, WindOptions, given_winds};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use recording::head_mounting::{HeadMounting, earth_numbers};
 use recording::{Metadata, RecordingLayout, RecordingReader, RecordingRow, WriterOptions, check_name, wind};

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::mounting_options::MountingArguments;
+use crate::options::MountingArguments;
 use crate::output::{Failure, head_of};
 use anemometry::meteorology::AveragingOptions;
 use anemometry::meteorology::reference_check::{ReferenceCheckError, compare};

@@ -10,7 +10,6 @@
 
 pub mod check;
 pub mod compare;
-mod figure;
 pub mod identify;
 pub mod new;
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::choice::choice;
+use crate::options::choice;
 use crate::output::Failure;
 use diffusive::model::export::source::Language;
 use diffusive::model::export::spice::SpiceNetwork;
