@@ -75,28 +75,30 @@ pub const DASHED: &str = "3 2";
 /// stay whole.
 const DASHES: [&str; 8] = ["", "6 1.6", "1.2 1.4", "5 1.5 1.2 1.5", "2.6 1.5", "8 1.5 1.2 1.5 1.2 1.5", "", ""];
 
-/// The shape of a point.
+/// The shape of a point: a place in [`OUTLINES`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Marker {
-    Circle,
-    Square,
-    Triangle,
-    Diamond,
-    Down,
-    Cross,
-    Plus,
-    Star,
-}
+pub struct Marker(usize);
 
-const MARKERS: [Marker; 8] = [
-    Marker::Circle,
-    Marker::Square,
-    Marker::Triangle,
-    Marker::Diamond,
-    Marker::Down,
-    Marker::Cross,
-    Marker::Plus,
-    Marker::Star,
+/// Corners around the middle, across and down in turn; the circle has none. Shapes of one radius look
+/// equally large: circle, square, triangle, diamond, triangle that points down, cross, plus, star.
+const OUTLINES: [&[f64]; 8] = [
+    &[],
+    &[-0.9, -0.9, 0.9, -0.9, 0.9, 0.9, -0.9, 0.9],
+    &[0.0, -1.25, 1.15, 0.85, -1.15, 0.85],
+    &[0.0, -1.35, 1.1, 0.0, 0.0, 1.35, -1.1, 0.0],
+    &[0.0, 1.25, 1.15, -0.85, -1.15, -0.85],
+    &[
+        -1.2, -0.8, -0.8, -1.2, 0.0, -0.4, 0.8, -1.2, 1.2, -0.8, 0.4, 0.0, 1.2, 0.8, 0.8, 1.2, 0.0, 0.4, -0.8, 1.2,
+        -1.2, 0.8, -0.4, 0.0,
+    ],
+    &[
+        -0.3, -1.3, 0.3, -1.3, 0.3, -0.3, 1.3, -0.3, 1.3, 0.3, 0.3, 0.3, 0.3, 1.3, -0.3, 1.3, -0.3, 0.3, -1.3, 0.3,
+        -1.3, -0.3, -0.3, -0.3,
+    ],
+    &[
+        0.0, -1.4, 0.35, -0.45, 1.33, -0.43, 0.55, 0.17, 0.82, 1.13, 0.0, 0.56, -0.82, 1.13, -0.55, 0.17, -1.33, -0.43,
+        -0.35, -0.45,
+    ],
 ];
 
 /// Colour, dashes and marker.
@@ -118,7 +120,7 @@ impl Pen {
             _ => PALETTE[place].paler(),
         };
         let turned = (place + 3 * round) % PALETTE.len();
-        Self { colour, dashes: DASHES[turned], marker: MARKERS[turned] }
+        Self { colour, dashes: DASHES[turned], marker: Marker(turned) }
     }
 
     pub fn with_opacity(self, opacity: f64) -> Colour {
@@ -129,60 +131,17 @@ impl Pen {
 /// A whole line of that colour.
 impl From<Colour> for Pen {
     fn from(colour: Colour) -> Self {
-        Self { colour, dashes: "", marker: Marker::Circle }
+        Self { colour, dashes: "", marker: Marker::CIRCLE }
     }
 }
 
 impl Marker {
-    /// Corners around the middle; the circle has none. Shapes of one radius look equally large.
-    pub fn outline(self) -> &'static [(f64, f64)] {
-        match self {
-            Self::Circle => &[],
-            Self::Square => &[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)],
-            Self::Triangle => &[(0.0, -1.25), (1.15, 0.85), (-1.15, 0.85)],
-            Self::Diamond => &[(0.0, -1.35), (1.1, 0.0), (0.0, 1.35), (-1.1, 0.0)],
-            Self::Down => &[(0.0, 1.25), (1.15, -0.85), (-1.15, -0.85)],
-            Self::Cross => &[
-                (-1.2, -0.8),
-                (-0.8, -1.2),
-                (0.0, -0.4),
-                (0.8, -1.2),
-                (1.2, -0.8),
-                (0.4, 0.0),
-                (1.2, 0.8),
-                (0.8, 1.2),
-                (0.0, 0.4),
-                (-0.8, 1.2),
-                (-1.2, 0.8),
-                (-0.4, 0.0),
-            ],
-            Self::Plus => &[
-                (-0.3, -1.3),
-                (0.3, -1.3),
-                (0.3, -0.3),
-                (1.3, -0.3),
-                (1.3, 0.3),
-                (0.3, 0.3),
-                (0.3, 1.3),
-                (-0.3, 1.3),
-                (-0.3, 0.3),
-                (-1.3, 0.3),
-                (-1.3, -0.3),
-                (-0.3, -0.3),
-            ],
-            Self::Star => &[
-                (0.0, -1.4),
-                (0.35, -0.45),
-                (1.33, -0.43),
-                (0.55, 0.17),
-                (0.82, 1.13),
-                (0.0, 0.56),
-                (-0.82, 1.13),
-                (-0.55, 0.17),
-                (-1.33, -0.43),
-                (-0.35, -0.45),
-            ],
-        }
+    pub const CIRCLE: Self = Self(0);
+    pub const DOWN: Self = Self(4);
+
+    /// Corners around the middle.
+    pub fn outline(self) -> impl Iterator<Item = (f64, f64)> {
+        OUTLINES[self.0].chunks_exact(2).map(|corner| (corner[0], corner[1]))
     }
 }
 

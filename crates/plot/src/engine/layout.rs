@@ -225,7 +225,7 @@ impl<'c> ChartLayout<'c> {
         let mut pen = trace.pen.unwrap_or(Pen::numbered(i));
         // A single one needs no sign of its own.
         if self.chart.traces.iter().filter(|trace| trace.is_dotted()).count() == 1 {
-            pen.marker = Marker::Circle;
+            pen.marker = Marker::CIRCLE;
         }
         if self.chart.traces.iter().filter(|trace| trace.style == TraceStyle::Line).count() == 1 {
             pen.dashes = "";

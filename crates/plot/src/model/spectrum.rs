@@ -69,7 +69,7 @@ pub fn spectrum(model: &Model, output: &str) -> Chart {
         chart = if is_log {
             let below = trace(String::new(), &|r| r < 0.0, -1.0);
             chart.y(Scale::Log).trace(trace(name, &|r| r > 0.0, 1.0)).traces(
-                (!below.is_empty()).then(|| below.painted(Pen { marker: Marker::Down, ..Pen::numbered(number) })),
+                (!below.is_empty()).then(|| below.painted(Pen { marker: Marker::DOWN, ..Pen::numbered(number) })),
             )
         } else {
             chart.trace(trace(name, &|_| true, 1.0))

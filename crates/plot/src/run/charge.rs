@@ -1,12 +1,9 @@
 //! Charts of a MEMS capacitor: voltage shift, mean symbol, and offset of the capacitance.
 
 use super::figure::RunCharts;
-use crate::engine::axis::extent;
 use crate::engine::chart::Chart;
-use crate::engine::colour::{PALETTE, TRUTH};
-use crate::engine::reduce::{BINS, MeanPower, mean_power};
+use crate::engine::colour::{PALETTE, Pen, TRUTH};
 use crate::engine::trace::Trace;
-use crate::engine::words::brief;
 use recording::{OFFSET_CAPACITANCE, SYMBOL, TRUE_OFFSET_CAPACITANCE, TRUE_VOLTAGE_SHIFT, VOLTAGE_SHIFT};
 
 /// Picofarad a farad.
@@ -20,7 +17,9 @@ impl RunCharts<'_> {
             self.over_truth(&devices, Chart::new("Voltage shift", "V"), [VOLTAGE_SHIFT, TRUE_VOLTAGE_SHIFT], 1.0);
         let offset = Chart::new("Offset of the capacitance", "pF");
         let offset = self.over_truth(&devices, offset, [OFFSET_CAPACITANCE, TRUE_OFFSET_CAPACITANCE], PF_PER_F);
-        [shift, self.symbols(&devices), offset].into_iter().flatten().collect()
+        let pens = devices.iter().copied().zip(PALETTE.into_iter().map(Pen::from).cycle());
+        let symbols = self.decimated(SYMBOL, pens, |_, _| (Chart::new("Mean symbol", "").height(25.0), 1.0));
+        [shift, symbols, offset].into_iter().flatten().collect()
     }
 
     /// A quantity of every device over what is true of it, wide and pale.
@@ -37,20 +36,5 @@ impl RunCharts<'_> {
         let truths = devices.iter().filter_map(|device| Some(Trace::pale("true", bins(truth, device)?, TRUTH)));
         let has_any = lines.iter().any(|line| line.bins.iter().any(|bin| bin.mean.is_finite()));
         has_any.then(|| chart.height(34.0).first_on_top(lines.into_iter().chain(truths)))
-    }
-
-    fn symbols(&self, devices: &[&str]) -> Option<Chart> {
-        let mean = |&device| Some((device, mean_power(self.time_s, self.numbers(SYMBOL, device)?, BINS)?));
-        let means: Vec<(&str, MeanPower)> = devices.iter().filter_map(mean).collect();
-        let step_s = (self.time_s.last()? - self.time_s.first()?) / (self.time_s.len().max(2) - 1) as f64;
-        let window_s = f64::from(means.first()?.1.ratio) * step_s;
-        let all = means.iter().flat_map(|(_, mean)| &mean.power_w).copied();
-        let (least, most) = extent(all.chain([0.0]))?;
-        let chart = Chart::new("Mean symbol", "").note(format!("decimated to one value in {} s", brief(window_s)));
-        let line = |((device, mean), colour): ((&str, MeanPower), &_)| {
-            Trace::line(device, mean.time_s.into_iter().zip(mean.power_w).collect()).painted(*colour)
-        };
-        let lines = means.into_iter().zip(PALETTE.iter().cycle()).map(line);
-        Some(chart.height(25.0).range(least, most).first_on_top(lines))
     }
 }

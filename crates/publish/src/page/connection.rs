@@ -10,8 +10,9 @@ use serde_json::json;
 use super::http::{PageRequest, answer, answer_events, page_text};
 use super::message::{LayoutMessage, RowsMessage, SpectrumMessage, command, event};
 use super::spectrum::welch;
-use super::state::{PageState, WINDOWS_S, lock};
+use super::state::{PageState, WINDOWS_S};
 use crate::commands::{CommandRefusal, FeedCommands};
+use crate::feed::lock;
 use crate::listen::{Token, check_http};
 
 /// Longest time that a command waits for its answer: a tick, and repeats to a board.

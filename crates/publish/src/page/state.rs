@@ -4,7 +4,7 @@
 //! What of a row the page draws: a list of channels, and their values.
 
 use std::collections::VecDeque;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 
 use super::window::{Bucket, DecimatedWindow};
 use crate::feed::{FeedEvent, FeedEventKind, FeedItem, FeedLayout, FeedRow, FeedWind};
@@ -27,11 +27,6 @@ pub struct PageEvent {
     pub kind: &'static str,
     /// What happened.
     pub text: String,
-}
-
-/// What a thread that panicked has left behind is as good as before: nothing is half done.
-pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// All that is kept for listeners.
