@@ -73,12 +73,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let records: Vec<&Path> = arguments.records.iter().map(PathBuf::as_path).collect();
     let written = [arguments.output_file.as_deref(), arguments.picture.path(), arguments.report.as_deref()];
     crate::output::keep(&records, &written)?;
-    if let Some(path) = &arguments.output_file {
-        crate::output::writable(path, "a model", "json")?;
-    }
-    if let Some(path) = &arguments.report {
-        crate::output::writable(path, "a report", "html")?;
-    }
+    crate::output::writable(arguments.output_file.as_deref(), "a model", "json")?;
+    crate::output::writable(arguments.report.as_deref(), "a report", "html")?;
     let (selection, gas) = arguments.model.selection();
     let mut stream = RecordStream::open_all(&named(&arguments.records)?, &selection).map_err(Failure::usage)?;
     let options = arguments.model.options(stream.survey(), gas)?;

@@ -152,3 +152,21 @@ impl PictureArguments {
         Canvas::with(path, options).map_err(Failure::usage)
     }
 }
+
+/// Which pair of a model is meant.
+#[derive(clap::Args)]
+pub struct PairArguments {
+    /// Pair, where the model has several: columns (power_w_a:temperature_c_b) or elements (a:b).
+    #[arg(long, value_name = "INPUT:OUTPUT", conflicts_with = "element")]
+    pair: Option<String>,
+    /// Self-heating pair of this element: short for --pair NAME:NAME.
+    #[arg(long, value_name = "NAME")]
+    element: Option<String>,
+}
+
+impl PairArguments {
+    /// Name of the pair, if one is given.
+    pub fn name(&self) -> Option<String> {
+        self.pair.clone().or_else(|| self.element.as_ref().map(|element| format!("{element}:{element}")))
+    }
+}

@@ -88,9 +88,6 @@ pub struct Arguments {
 }
 
 fn predict_for_head(arguments: &Arguments) -> Result<(), Failure> {
-    let read: Vec<&Path> =
-        [&arguments.model, &arguments.experiment].into_iter().chain(&arguments.against).map(PathBuf::as_path).collect();
-    crate::output::keep(&read, &[arguments.output.as_deref(), arguments.picture.path()])?;
     let model = Model::read(&arguments.model).map_err(Failure::usage)?;
     let experiment = Experiment::read(&arguments.experiment)?;
     let (scenario, mut notes) = host_sim::experiment::scenario(&experiment, &model)
@@ -200,16 +197,17 @@ fn spans(prediction: &Prediction, model: &Model) -> Vec<(f64, f64, usize, String
 
 /// An experiment on a head, or on a device.
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    match crate::run_device::experiment_of(&arguments.experiment)? {
+    let of_device = crate::run_device::experiment_of(&arguments.experiment)?;
+    let read: Vec<&Path> =
+        [&arguments.model, &arguments.experiment].into_iter().chain(&arguments.against).map(PathBuf::as_path).collect();
+    crate::output::keep(&read, &[arguments.output.as_deref(), arguments.picture.path()])?;
+    match of_device {
         Some(experiment) => predict_of_device(arguments, &experiment),
         None => predict_for_head(arguments),
     }
 }
 
 fn predict_of_device(arguments: &Arguments, experiment: &DeviceExperiment) -> Result<(), Failure> {
-    let read: Vec<&Path> =
-        [&arguments.model, &arguments.experiment].into_iter().chain(&arguments.against).map(PathBuf::as_path).collect();
-    crate::output::keep(&read, &[arguments.output.as_deref(), arguments.picture.path()])?;
     if arguments.window.is_some() {
         return Err(Failure::usage("--window: of a device the halves of its phases are compared; leave it out"));
     }

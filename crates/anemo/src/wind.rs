@@ -184,15 +184,12 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         numbers.extend(unknown_heat_w);
         let row = RecordingRow {
             time_s: moment.time_s,
-            temperature_c: &[],
-            power_w: &[],
-            equivalent_power_w: &[],
-            heaters: 0,
             event: &moment.event,
             state: &moment.state,
             true_wind_m_s: true_wind.then(|| true_wind_m_s.unwrap_or([f64::NAN; 3])),
             gas_temperature_c: gas.then(|| moment.gas_c.unwrap_or(f64::NAN)),
             estimate: &numbers,
+            ..RecordingRow::default()
         };
         recorded.push(&row).map_err(Failure::work)?;
     }
@@ -243,9 +240,7 @@ fn check(arguments: &Arguments) -> Result<(), Failure> {
     let read: Vec<_> = read.into_iter().flatten().map(PathBuf::as_path).collect();
     let written = [arguments.write_head.as_deref(), arguments.output.as_deref(), arguments.picture.path()];
     crate::output::keep(&read, &written)?;
-    if let Some(path) = &arguments.write_head {
-        crate::output::writable(path, "a head", "toml")?;
-    }
+    crate::output::writable(arguments.write_head.as_deref(), "a head", "toml")?;
     arguments.output.as_deref().map_or(Ok(()), check_name).map_err(Failure::usage)
 }
 

@@ -180,10 +180,6 @@ impl CellKind {
 }
 
 impl ChunkSource for CsvReader {
-    fn rows(&self) -> Option<u64> {
-        None
-    }
-
     /// What has been met so far; complete after the last chunk.
     fn metadata(&self) -> Metadata {
         self.csv.get_ref().metadata().clone()

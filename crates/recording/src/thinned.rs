@@ -216,11 +216,6 @@ impl Collector {
         Self { layout, metadata: with_format(metadata), kinds, rows }
     }
 
-    /// What the rows consist of.
-    pub fn layout(&self) -> &RecordingLayout {
-        &self.layout
-    }
-
     /// Adds a row.
     ///
     /// # Errors

@@ -36,7 +36,7 @@ pub struct Arguments {
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let read: Vec<_> = arguments.models.iter().map(PathBuf::as_path).collect();
     crate::output::keep(&read, &[Some(&arguments.output)])?;
-    crate::output::writable(&arguments.output, "a model", "json")?;
+    crate::output::writable(Some(&arguments.output), "a model", "json")?;
     let mut models = Vec::with_capacity(arguments.models.len());
     for path in &arguments.models {
         models.push((path.display().to_string(), Model::read(path).map_err(Failure::usage)?));

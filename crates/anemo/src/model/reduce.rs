@@ -45,9 +45,7 @@ pub struct Arguments {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     crate::output::keep(&[&arguments.model], &[arguments.output.as_deref(), arguments.toml.as_deref()])?;
-    if let Some(path) = &arguments.output {
-        crate::output::writable(path, "a model", "json")?;
-    }
+    crate::output::writable(arguments.output.as_deref(), "a model", "json")?;
     let model = Model::read(&arguments.model).map_err(Failure::usage)?;
     let rates = if arguments.mesh { Rates::Mesh } else { Rates::Free };
     let reduced = reduce(&model, arguments.order, rates).map_err(|error| Failure::in_file(&arguments.model, error))?;
