@@ -2,8 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::options::PairArguments;
-use crate::options::PictureArguments;
+use crate::options::{PairArguments, PictureArguments};
 use crate::output::Failure;
 use diffusive::model::Model;
 use diffusive::predict::analysis_report::{AnalysisReport, AnalysisRequest};

@@ -7,10 +7,9 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
-use crate::live_table::LiveTable;
 use crate::options::PictureArguments;
 use crate::output::Failure;
-use crate::progress::on_interrupt;
+use crate::progress::{LiveTable, on_interrupt};
 use crate::run::Arguments;
 use host_sim::run::RunError;
 use plot::Canvas;

@@ -1,6 +1,5 @@
 //! Recordings as figures.
 
-mod charge;
 mod columns;
 mod error_charts;
 mod figure;

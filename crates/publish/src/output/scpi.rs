@@ -1,8 +1,7 @@
 //! SCPI by TCP: a thread a connection, since the answer to a command may take seconds.
 
 use super::scpi_session::{ScpiInstrument, ScpiLatest, ScpiSession};
-use super::text;
-use super::{Output, PublishContext, PublishError};
+use super::{Output, PublishContext, PublishError, text};
 use crate::feed::{FeedLayout, FeedRow, lock};
 use crate::listen::Listener;
 use crate::target::{PublishTarget, PublishWay};

@@ -3,7 +3,6 @@
 
 mod decimated;
 mod journal;
-mod options;
 mod recorder;
 mod recover;
 mod salvage;
@@ -26,10 +25,9 @@ use recover::incomplete;
 use segments::Segments;
 use table::{TableWriter, unwritten};
 
-pub use options::{SegmentLength, SegmentLengthError, WriterOptions};
 pub use recorder::Recorder;
 pub use recover::{Recovered, recover};
-pub use segments::{RecordingSoFar, is_being_written, so_far};
+pub use segments::{RecordingSoFar, SegmentLength, SegmentLengthError, WriterOptions, is_being_written, so_far};
 
 /// A full disk is asked for room as often.
 const ROOM_EVERY: Duration = Duration::from_secs(1);
