@@ -23,10 +23,13 @@ pub(super) fn progress(title: &str, ticks: Option<u64>) -> ProgressBar {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::with_draw_target(ticks, ProgressDrawTarget::stderr_with_hz(10));
-    let style = ProgressStyle::with_template("{msg}  {bar:40}  {percent:>3} %  {eta} left");
-    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    set_template(&bar, "{msg}  {bar:40}  {percent:>3} %  {eta} left");
     bar.set_message(title.to_owned());
     bar
+}
+
+fn set_template(bar: &ProgressBar, template: &str) {
+    bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
 }
 
 /// Set by the first Ctrl-C (or a request to terminate, or the end of the terminal), so that the run
@@ -53,9 +56,7 @@ pub(super) fn progress_bar() -> impl FnMut(&'static str, u64, u64) {
     // Choosing cannot tell how far it is, and may take minutes with many event classes: the clock
     // shows that it goes on.
     bar.enable_steady_tick(std::time::Duration::from_millis(500));
-    if let Ok(style) = ProgressStyle::with_template("{msg:18} {wide_bar} {percent} % {elapsed}") {
-        bar.set_style(style);
-    }
+    set_template(&bar, "{msg:18} {wide_bar} {percent} % {elapsed}");
     move |what, done, all| {
         end_if_interrupted();
         bar.set_message(what);
@@ -128,8 +129,7 @@ impl LiveTable {
     pub fn new(title: &str, elements: Vec<String>, ticks: Option<u64>, mounting: HeadMounting) -> Self {
         let bar = std::io::stderr().is_terminal().then(|| {
             let bar = ProgressBar::with_draw_target(ticks, ProgressDrawTarget::stderr_with_hz(5));
-            let template = ticks.map_or("{msg}", |_| "{msg}\n{bar:40}  {percent:>3} %  {eta} left");
-            bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
+            set_template(&bar, ticks.map_or("{msg}", |_| "{msg}\n{bar:40}  {percent:>3} %  {eta} left"));
             bar
         });
         let high = vec![0; elements.len()];

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::options::{MountingArguments, PictureArguments};
+use crate::options::{MountingArguments, PictureArguments, choice};
 use crate::output::{Failure, has_elements, head_of};
 use crate::record::RecordingOutputs;
 use anemometry::head::{Head, WindOutput};
@@ -10,7 +10,6 @@ use anemometry::wind::error::WindError;
 use anemometry::wind::field_correction::{FieldCorrection, SlowErrorKind};
 use anemometry::wind::gas_uncertainty::GasUncertainty;
 use anemometry::wind::{EstimatedWind, WindEstimation, WindOptions, given_winds};
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use recording::head_mounting::{HeadMounting, earth_numbers};
 use recording::{Metadata, RecordingLayout, RecordingReader, RecordingRow, WriterOptions, check_name, wind};
 
@@ -89,7 +88,11 @@ pub struct Arguments {
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
     settle: f64,
     /// Find slow errors of single surfaces in this recording and correct the wind by them.
-    #[arg(long, value_name = "offsets|gains|both", value_parser = kinds())]
+    #[arg(long, value_name = "offsets|gains|both", value_parser = choice([
+        ("offsets", "", SlowErrorKind::Offsets),
+        ("gains", "", SlowErrorKind::Gains),
+        ("both", "", SlowErrorKind::Both),
+    ]))]
     field_correction: Option<SlowErrorKind>,
     /// Write a head with these corrections, a .toml file.
     #[arg(long, value_name = "FILE", requires = "field_correction")]
@@ -102,15 +105,6 @@ pub struct Arguments {
     /// Print one JSON object instead of the summary.
     #[arg(long)]
     json: bool,
-}
-
-/// The kinds of slow errors, by their words.
-fn kinds() -> impl TypedValueParser<Value = SlowErrorKind> {
-    PossibleValuesParser::new(["offsets", "gains", "both"]).map(|word| match &*word {
-        "offsets" => SlowErrorKind::Offsets,
-        "gains" => SlowErrorKind::Gains,
-        _ => SlowErrorKind::Both,
-    })
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
@@ -165,7 +159,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         cores: estimation.cores(),
         ..RecordingLayout::default()
     };
-    let mut known = metadata(arguments, &head, &estimation)?;
+    let mut known = metadata(arguments, &head, &estimation, &known);
     known.extend(mounting.iter().flat_map(HeadMounting::metadata));
     let mut recorded = RecordingOutputs::create(
         arguments.output.as_deref(),
@@ -245,10 +239,10 @@ fn check(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Metadata of the file of estimates.
-fn metadata(arguments: &Arguments, head: &Head, estimation: &WindEstimation<'_>) -> Result<Metadata, Failure> {
+fn metadata(arguments: &Arguments, head: &Head, estimation: &WindEstimation<'_>, known: &Metadata) -> Metadata {
     let recording = arguments.recording.display().to_string();
-    let known = RecordingReader::open(&arguments.recording).map_err(Failure::usage)?.metadata();
-    let title = known.into_iter().find(|(key, _)| key == "title").map_or_else(|| recording.clone(), |(_, title)| title);
+    let title =
+        known.iter().find(|(key, _)| key == "title").map_or_else(|| recording.clone(), |(_, title)| title.clone());
     let pairs = [
         ("title", title),
         ("head_name", head.name.clone()),
@@ -263,5 +257,5 @@ fn metadata(arguments: &Arguments, head: &Head, estimation: &WindEstimation<'_>)
         ("software", format!("anemo {}", env!("CARGO_PKG_VERSION"))),
     ];
     let known = pairs.into_iter().map(|(key, value)| (key.to_owned(), value));
-    Ok(known.chain(estimation.gas.metadata()).collect())
+    known.chain(estimation.gas.metadata()).collect()
 }

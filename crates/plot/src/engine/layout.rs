@@ -10,6 +10,7 @@ use super::svg::{MM, Rect, Svg};
 use super::trace::{END_GAP, LineEnd, Trace, TraceStyle};
 pub use super::words::LABEL;
 use super::words::{self, two_lines, width};
+use recording::text::count;
 
 /// At the edges of the page.
 pub const EDGE: f64 = 4.0;
@@ -173,11 +174,8 @@ impl<'c> ChartLayout<'c> {
         if cut {
             notes.push("error bars end at the edge".to_owned());
         }
-        match self.chart.lost() {
-            0 => {}
-            1 => notes.push("1 value at or below zero left out".to_owned()),
-            lost => notes.push(format!("{lost} values at or below zero left out")),
-        }
+        let lost = Some(self.chart.lost()).filter(|lost| *lost > 0);
+        notes.extend(lost.map(|lost| format!("{} at or below zero left out", count(lost, "value"))));
         notes.retain(|note| !note.is_empty());
         notes
     }
