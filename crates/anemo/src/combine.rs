@@ -212,8 +212,9 @@ fn estimate(arguments: &Arguments, combination: &Combination, readings: &Combine
 /// A row's numbers, in the order of [`wind::COMBINED`].
 fn numbers(found: Option<&CombinedWind>) -> [f32; wind::COMBINED.len()] {
     let Some(found) = found else {
-        const NONE: f64 = f64::NAN;
-        return [NONE, NONE, NONE, NONE, NONE, NONE, NONE, f64::from(QualityFlags::FAILED.0)].map(|of| of as f32);
+        let mut none = [f32::NAN; wind::COMBINED.len()];
+        none[wind::COMBINED.len() - 1] = QualityFlags::FAILED.0.into();
+        return none;
     };
     let speed_m_s = length(found.wind_m_s);
     let flags = QualityFlags::default()
