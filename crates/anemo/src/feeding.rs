@@ -1,7 +1,5 @@
-//! A recording as a feed: its rows at their times.
-//!
-//! What a log gives to the feed, and what listeners ask of it: the same for a page that is only
-//! watched and for a recording.
+//! Rows and events of the feed, and requests of listeners: for logs, for watched runs, and for
+//! recordings, whose rows come at their times.
 
 use std::collections::HashMap;
 use std::path::Path;

@@ -1,7 +1,5 @@
-//! `anemo identify`: from a record to a diffusive model.
-//!
-//! Collects measured and predicted values of every row for a picture, for `identify` and
-//! `validate`.
+//! `anemo identify`: from a record to a diffusive model. Measured and predicted values of every row
+//! are collected for a picture, for `validate`, too.
 
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,5 @@
-//! `anemo live`: a web page of a run, or of a recording.
-//!
-//! What stands around a run that is watched and not recorded: its feed, its listeners, the clock.
+//! `anemo live`: a web page of a run, or of a recording. A watched run has a feed, listeners and a
+//! clock, but no recording.
 
 use std::net::Ipv4Addr;
 use std::ops::RangeInclusive;

@@ -4,9 +4,7 @@
 //! Files, since who may write into the folder may write marks, and nobody else: no port, no name of
 //! a socket that is too long, and they work over a network's file system.
 //!
-//! A log as a service of the system: the unit that systemd starts it by.
-//!
-//! The program that does commands like this one: for work that is handed to other processes.
+//! A log can be a service of the system, by a unit of systemd.
 
 use std::fs::{File, OpenOptions};
 use std::io::{Read as _, Seek as _, SeekFrom, Write as _};

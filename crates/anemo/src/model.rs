@@ -1,10 +1,4 @@
-//! `anemo model`: work on model files that `anemo identify` has written.
-//!
-//! `anemo model reduce`: a smaller model for the board.
-//!
-//! `anemo model merge`: models that were identified one source at a time, as one.
-//!
-//! `anemo model export`: a model in the forms that others use.
+//! `anemo model`: reduces, merges and exports model files that `anemo identify` has written.
 
 use std::path::PathBuf;
 

@@ -1,12 +1,5 @@
-//! Values of options: one of a few words, or a count.
-//!
-//! Options that say which columns of a record play which part.
-//!
-//! Options of how a head is mounted, in place of what its file or its recording has.
-//!
-//! The options of pictures: the same for every command that draws one.
-//!
-//! Options of what is published while an instrument runs.
+//! Options that several commands share: choices and counts, columns of a record, mounting of a
+//! head, pictures, pair of a model, publishing.
 
 use std::net::{IpAddr, Ipv4Addr};
 use std::path::{Path, PathBuf};

@@ -1,6 +1,5 @@
-//! `anemo predict`: the power that a loop will take over an experiment, and against what it took.
-//!
-//! `anemo predict` where the experiment may be one on a device, a MEMS capacitor.
+//! `anemo predict`: the power that a loop will take over an experiment, and against what it took;
+//! for an experiment on a MEMS capacitor, its symbols and shifts.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;

@@ -1,9 +1,5 @@
-//! Progress bar and Ctrl-C of long work at a terminal.
-//!
-//! Time of a simulation or recording, held against the clock.
-//!
-//! What an instrument does now, at a terminal: a table that is drawn anew; one line a minute where
-//! there is none.
+//! Progress at a terminal: bars, the table of a running instrument, Ctrl-C, and the pace of a
+//! simulation or recording. Without a terminal the table is a line a minute.
 
 use std::fmt::Write as _;
 use std::io::{IsTerminal as _, Write as _, stderr};

@@ -1,6 +1,5 @@
-//! Recording of a session: one loop for runs on heads and on devices, one verdict for logs, too.
-//!
-//! File and picture of a recording, for `run` and `wind`.
+//! Recording of a session: one loop for runs on heads and on devices, one verdict for logs, too;
+//! with the file and the picture of a recording.
 
 use std::fmt::Display;
 use std::path::{Path, PathBuf};

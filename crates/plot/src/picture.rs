@@ -1,9 +1,8 @@
-//! What a picture is on paper and on disk: its width, its format, and how SVG becomes PDF and PNG.
+//! A picture on paper and on disk: its width, its format, its errors, and the way from SVG to PDF
+//! and PNG.
 //!
 //! PDF and PNG are made from the SVG with the embedded face, so that they are the same on every
 //! machine. Text of a PDF stays text; a PNG has 300 dots an inch.
-//!
-//! Why there is no picture.
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;

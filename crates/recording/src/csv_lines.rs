@@ -1,12 +1,10 @@
-//! The lines of a CSV file without those that are remarks: `# key: value` is kept as metadata,
-//! `%` is passed over.
+//! The lines of a CSV file without those that are remarks: `# key: value` is kept as metadata, `%`
+//! is passed over.
 //!
-//! How a table of text is written: what separates its columns, and which sign its numbers have
-//! before their decimals.
-//!
-//! Columns stand apart by a tab, `;`, `,` or runs of blanks: by the first of these that divides
-//! most rows into as many cells as the line above them. A number has a comma for its point where
-//! columns do not stand apart by commas, and where no other number of the first rows has a point.
+//! The first lines tell how a table is written. Columns stand apart by a tab, `;`, `,` or runs of
+//! blanks: by the first of these that divides most rows into as many cells as the line above them.
+//! A number has a comma for its point where columns do not stand apart by commas, and where no
+//! other number of the first rows has a point.
 
 use std::collections::VecDeque;
 use std::fs::File;

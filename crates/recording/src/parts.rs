@@ -5,9 +5,7 @@
 //! | `segment-000001.parquet` … | closed segments, each a recording of its own |
 //! | `recording.journal` | the rows since the last one; of a recording that goes on, or was cut short |
 //!
-//! The format of a file, by its extension.
-//!
-//! Names of a recording's closed segments.
+//! The extension of a file says its format.
 
 use std::path::{Path, PathBuf};
 

@@ -1,7 +1,6 @@
-//! A recording of any length in bounded memory, for pictures: rows beyond a number become means of
-//! neighbours.
-//!
-//! Gathering a run's rows in memory, as the columns that would be read back from its file.
+//! Rows gathered in memory: those of a run as they would be read back from its file, and a
+//! recording of any length in bounded memory for pictures, where rows beyond a number become means
+//! of neighbours.
 
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};

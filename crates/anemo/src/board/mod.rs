@@ -1,11 +1,7 @@
 //! `anemo board`: a sensor board's firmware, settings and state.
 //!
-//! `anemo board status`: state of a board or of a log.
-//!
-//! `anemo board flash`: programs a sensor board by a debug probe.
-//!
-//! `probe-rs` writes the image, erases only the sectors that the image fills, and so keeps the
-//! settings (`firmware/memory.x`).
+//! To flash it, `probe-rs` writes the image, erases only the sectors that the image fills, and so
+//! keeps the settings (`firmware/memory.x`).
 
 use std::io::ErrorKind;
 use std::path::PathBuf;

@@ -1,6 +1,4 @@
-//! `anemo head check`: what a head's file comes to.
-//!
-//! From a head's check to what is drawn of it.
+//! `anemo head check`: results that follow from a head's file alone, and their picture.
 
 use std::path::PathBuf;
 

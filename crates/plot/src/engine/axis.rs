@@ -1,7 +1,5 @@
 //! Ranges and ticks that people would have chosen: steps of 1, 2 or 5 times a power of ten, or
-//! decades on a logarithmic axis.
-//!
-//! Between which values some values lie.
+//! decades on a logarithmic axis; and the extent of values.
 
 /// How values are laid out along an axis.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

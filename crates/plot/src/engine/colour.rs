@@ -1,8 +1,8 @@
 //! Colours that readers can tell apart without seeing all of them, and those with one meaning in
 //! every picture.
 //!
-//! What tells the curves of a chart apart: colour, and dashes of a line or the shape of a point, so
-//! that a picture in grey says the same.
+//! Pens tell the curves of a chart apart by dashes or the shape of a point, too: a picture in grey
+//! says the same.
 
 /// A colour of the SVG, with its opacity.
 #[derive(Debug, Clone, Copy, PartialEq)]

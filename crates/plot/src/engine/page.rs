@@ -1,7 +1,5 @@
-//! The page of a figure: its titles, and its charts in rows as far as its width has room. All
-//! lengths are in points.
-//!
-//! A part of a figure: the panels that are named, for a column of a journal.
+//! The page of a figure: its titles, and its charts in rows as far as its width has room, or only
+//! the panels that are named. All lengths are in points.
 
 use super::chart::{Chart, ChartFrame, Figure};
 use super::colour::{INK, QUIET};

@@ -1,6 +1,5 @@
-//! One quantity of a chart: points or bins, and how they are drawn.
-//!
-//! Names at the right ends of lines, where there is room: a reader then needs no legend.
+//! One quantity of a chart: points or bins, how they are drawn, and names at the right ends of
+//! lines, where there is room: a reader then needs no legend.
 
 use super::chart::{Chart, ChartFrame};
 use super::colour::{Pen, QUIET};

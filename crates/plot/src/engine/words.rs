@@ -1,8 +1,8 @@
 //! Words that have to fit: numbers in three digits, units with a power of ten, text in lines,
 //! legends in rows.
 //!
-//! The face of all letters: DejaVu Sans Condensed, which is measured for the layout and embedded
-//! into PDF and PNG, so that a picture is the same on a machine without fonts.
+//! All letters are of one face: DejaVu Sans Condensed, which is measured for the layout and
+//! embedded into PDF and PNG, so that a picture is the same on a machine without fonts.
 
 use std::sync::LazyLock;
 

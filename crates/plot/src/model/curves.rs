@@ -1,6 +1,5 @@
-//! What the parts of a model are called in its pictures, and in which order they come.
-//!
-//! Bands of 95 % around a curve: what the covariance of a model's parameters leaves open.
+//! Names and order of the curves of a model, and bands of 95 % around them by the covariance of its
+//! parameters.
 
 use crate::engine::axis::extent;
 use crate::engine::chart::Chart;

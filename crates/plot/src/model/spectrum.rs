@@ -7,8 +7,8 @@
 //! others that these would not be seen, as slow ones that cancel, |R_k| stands on a logarithmic
 //! axis.
 //!
-//! Cumulative structure functions: Σ C over Σ R from the heater to the surroundings, a stair of as
-//! many steps as the model has poles.
+//! Structure functions are cumulative: Σ C over Σ R from the heater to the surroundings, a stair of
+//! as many steps as the model has poles.
 
 use super::curves::{CURVES, NO_BAND, band, gain_unit, label, left_out, of, parts};
 use crate::engine::axis::Scale;

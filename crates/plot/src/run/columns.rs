@@ -1,12 +1,10 @@
-//! Columns of a recording that belong together, and stretches of rows.
+//! Parts of a recording: vectors of columns, stretches of rows, rows that count, set-points of the
+//! experiment that it carries.
 //!
-//! Which wind estimates count in histograms: those that count in the summary of `anemo wind`.
-//!
-//! Both leave out what is before `counted_from_s`, and the first `settle_s` of every label; the
-//! file of the estimates has both numbers among its metadata. A label begins here with its first
-//! estimate, in the summary with its first tick: at most one output interval before.
-//!
-//! Set-points over time, read from the experiment that a recording carries.
+//! Histograms count the wind estimates that the summary of `anemo wind` counts. Both leave out rows
+//! before `counted_from_s`, and the first `settle_s` of every label; the file of the estimates has
+//! both numbers among its metadata. A label begins here with its first estimate, in the summary
+//! with its first tick: at most one output interval before.
 
 use recording::{ColumnWords, Recording};
 

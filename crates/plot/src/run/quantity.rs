@@ -1,7 +1,7 @@
 //! A quantity of the wind over time: its estimate with the band of one standard uncertainty, over
 //! its truth.
 //!
-//! Azimuths: means on the circle, and the range of an axis that is cut where nothing is.
+//! Azimuths have means on the circle, and an axis that is cut where nothing is.
 
 use crate::engine::axis::{extent, extent_of_most};
 use crate::engine::chart::Chart;

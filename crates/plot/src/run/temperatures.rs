@@ -1,6 +1,5 @@
-//! Charts of a run's temperatures, and of how well its loops hold them.
-//!
-//! Charts of a MEMS capacitor: voltage shift, mean symbol, and offset of the capacitance.
+//! Charts of a run's temperatures and of how well its loops hold them; of a MEMS capacitor its
+//! voltage shift, mean symbol, and offset of the capacitance.
 
 use super::figure::RunCharts;
 use crate::engine::axis::extent;

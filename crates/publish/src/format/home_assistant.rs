@@ -10,7 +10,7 @@
 //!
 //! `<id>` is the unique number of the chip.
 //!
-//! A row as named numbers, under the names of a recording's columns.
+//! Numbers have the names of a recording's columns.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 

@@ -1,7 +1,7 @@
 //! As much of HTTP/1.1 as one page needs: a request with a small body, one answer, end. Headers are
 //! parsed by `httparse`, the parser of hyper.
 //!
-//! The page as one file: its styles and scripts are put in where its text names them.
+//! The page is one file: its styles and scripts are put in where its text names them.
 
 use std::io;
 use std::io::{ErrorKind, Read, Write};

@@ -1,7 +1,6 @@
-//! What the page shows: windows of time, samples for the noise, events, the latest row. One thread
-//! fills it from the feed; each listener reads what is new to it.
-//!
-//! What of a row the page draws: a list of channels, and their values.
+//! State of the page: windows of time, samples for the noise, events, the latest row, and the list
+//! of channels that are drawn. One thread fills it from the feed; each listener reads what is new
+//! to it.
 
 use std::collections::VecDeque;
 use std::sync::Arc;

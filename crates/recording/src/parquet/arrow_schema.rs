@@ -2,10 +2,10 @@
 //! meaning of each, for which Parquet's own schema has no room.
 //!
 //! Under the key `ARROW:schema` stands, in base64, an encapsulated message of the Arrow format with
-//! the flatbuffer table `Schema` (<https://arrow.apache.org/docs/format/Columnar.html>, `Schema.fbs`
-//! and `Message.fbs`, whose fields are numbered from 0 in the order of these files).
+//! the flatbuffer table `Schema` (<https://arrow.apache.org/docs/format/Columnar.html>,
+//! `Schema.fbs` and `Message.fbs`, whose fields are numbered from 0 in the order of these files).
 //!
-//! Unit and meaning of a recording's columns, by their names.
+//! Unit and meaning follow from the names of the columns.
 
 use crate::column::{ColumnKind, Metadata};
 use crate::names::{

@@ -1,7 +1,5 @@
 //! A writer in a thread of its own: a disk that takes its time does not keep the instrument's rows
-//! waiting.
-//!
-//! A row that outlives the one it was made from: on its way to a thread, or made of many.
+//! waiting. Owned rows go to the thread, or are made of many.
 
 use std::path::Path;
 use std::sync::Arc;

@@ -4,10 +4,9 @@
 //! none begins, the search goes on with the next line. Whether a digit became another digit, the
 //! journal's checksums tell.
 //!
-//! Whether a journal is as it was written: its checksums, each of all bytes before it.
-//!
-//! From one right checksum to the next the bytes are sound; what stands behind the last was on its
-//! way to the disk, and nothing speaks for or against it.
+//! Each checksum of a journal is of all bytes before it. From one right checksum to the next the
+//! bytes are sound; what stands behind the last was on its way to the disk, and nothing speaks for
+//! or against it.
 
 use std::collections::VecDeque;
 use std::fs::File;

@@ -1,6 +1,5 @@
-//! The segments of a folder: which is written, when the next one begins, which are too old.
-//!
-//! How a recording is kept while it grows.
+//! The segments of a folder: which is written, when the next one begins, which are too old; and the
+//! options of a growing recording.
 
 use std::collections::VecDeque;
 use std::fmt;

@@ -1,7 +1,7 @@
 //! A file of either format that appears when it is complete.
 //!
-//! How fast the clock of a board runs by that of its host: a straight line by least squares through
-//! the moments at which rows arrived.
+//! Of measured rows it ends with the drift of the board's clock by that of its host: a straight
+//! line by least squares through the moments at which rows arrived.
 //!
 //! ```text
 //! utc_n − time_n = o + d · time_n + e_n      d̂ = S_ty / S_tt      u(d̂) = s / √S_tt
