@@ -10,7 +10,6 @@ first wind, its junction held at the set-point by a voltage source, whose curren
 differs by more than 1e-6 of itself. Ours makes the prediction under the one-bit rule in the same time.
 """
 import json
-import os
 import shutil
 import subprocess
 import sys
@@ -18,8 +17,7 @@ import tempfile
 import time
 from pathlib import Path
 
-for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ.setdefault(name, "1")
+from built import example, numbers
 
 import numpy as np
 from scipy.linalg import expm
@@ -31,12 +29,7 @@ SPICE_END_S, SPICE_STEP_S = 5.0, 2e-4
 
 
 def ours(ticks, winds, out):
-    root = Path(__file__).resolve().parents[2]
-    target = Path(os.environ.get("CARGO_TARGET_DIR", root / "target"))
-    program = target / "release" / "examples" / "loop_speed"
-    if not program.exists():
-        sys.exit(f"{program} is not there: build it with `cargo build --release -p anemo-tests --example loop_speed`")
-    answer = subprocess.run([program, str(ticks), str(winds), out], check=True, capture_output=True, text=True)
+    answer = subprocess.run([example("loop_speed"), str(ticks), str(winds), out], check=True, capture_output=True, text=True)
     return json.loads(answer.stdout), np.fromfile(out, "<f8")
 
 
@@ -96,7 +89,7 @@ def hold(name, apart):
 
 
 def main():
-    ticks, winds = (int(value) for value in (sys.argv[1:] + ["360000", "100"][len(sys.argv) - 1 :])[:2])
+    ticks, winds = numbers(360_000, 100)
     with tempfile.NamedTemporaryFile(suffix=".f64") as data:
         case, power = ours(ticks, winds, data.name)
     if case["saturated"]:

@@ -9,16 +9,12 @@ Both take plain least squares on a mesh of ORDER rates from 1 mHz to 1 kHz and a
 same resistances to 1e-6. Times are the least of RUNS runs, in turn, since the machine may be shared.
 """
 import json
-import os
 import subprocess
 import sys
 import tempfile
 import time
-from pathlib import Path
 
-# Before numpy is loaded, which counts its threads then.
-for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ.setdefault(name, "1")
+from built import example, numbers
 
 import numpy as np
 from scipy.signal import lfilter
@@ -45,20 +41,10 @@ def record(rows):
     return u, y + 0.1 * chance.standard_normal(rows)
 
 
-def example():
-    """The program that answers for us, where cargo put it."""
-    root = Path(__file__).resolve().parents[2]
-    target = Path(os.environ.get("CARGO_TARGET_DIR", root / "target"))
-    program = target / "release" / "examples" / "identify_speed"
-    if not program.exists():
-        sys.exit(f"{program} is not there: build it with `cargo build --release -p anemo-tests --example identify_speed`")
-    return program
-
-
 def main():
-    rows, order, runs = (int(value) for value in (sys.argv[1:] + ["2000000", "8", "10"][len(sys.argv) - 1 :])[:3])
+    rows, order, runs = numbers(2_000_000, 8, 10)
     u, y = record(rows)
-    program, reports, theirs_s = example(), [], []
+    program, reports, theirs_s = example("identify_speed"), [], []
     with tempfile.NamedTemporaryFile(suffix=".f64") as data:
         np.column_stack([u, y]).astype("<f8").tofile(data.name)
         for _ in range(runs):

@@ -2,7 +2,7 @@
 """The same records identified by anemo and by other Python libraries: one table of held-out fit and time.
 
     pip install -r python/gallery/requirements.txt                       # into an environment with anemo
-    python docs/performance/peers.py [--json] [--runs 3] [RECORD …]
+    python docs/performance/peers.py [--runs 3] [RECORD …]
 
 - SIPPY (sippy_unipi): N4SID, with 20, 50 or 100 rows ahead and behind, with and without feed-through
 - python-control: Markov parameters by least squares, 20 to 800 of them, then the eigensystem realisation (ERA)
@@ -19,19 +19,14 @@ of so many fits with the setting kept, warm; anemo's holds all its choosing.
 """
 import argparse
 import itertools
-import json
-import os
 import platform
 import sys
 import time
 import warnings
 from dataclasses import dataclass
 from importlib import metadata
-from pathlib import Path
 
-# Before numpy is loaded, which counts its threads then.
-for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "RAYON_NUM_THREADS"):
-    os.environ.setdefault(name, "1")
+from built import ROOT
 
 import anemo
 import control
@@ -42,7 +37,6 @@ from sysidentpy.basis_function import Polynomial
 from sysidentpy.model_structure_selection import FROLS
 from sysidentpy.parameter_estimation import LeastSquares
 
-ROOT = Path(__file__).resolve().parents[2]
 MEASURED = ["heating_system", "dryer", "unthermal_prbs", "tclab_apm_steps", "tclab_apm_mimo_T1"]
 ORDERS = range(1, 9)
 
@@ -217,26 +211,18 @@ def compared(task, runs):
 
 def main():
     parser = argparse.ArgumentParser(description="One table of held-out fit and time, of anemo and other libraries.")
-    parser.add_argument("--json", action="store_true", help="print one JSON object instead")
     parser.add_argument("--runs", type=int, default=3, help="time is the least of so many (default: 3)")
     parser.add_argument("record", nargs="*", help="only records whose names hold one of these words")
     options = parser.parse_args()
     warnings.simplefilter("ignore")
     np.seterr(all="ignore")
     tasks = itertools.chain((sphere(*periods) for periods in [(0.05, 0.1), (0.5, 2.0)]), map(measured, MEASURED))
-    lines = []
     for task in filter(None, tasks):
         if not options.record or any(word in task.name for word in options.record):
             for line in compared(task, options.runs):
-                lines.append(line)
-                if not options.json:
-                    show(line)
-    versions = {name: metadata.version(name) for name in ("anemo", "sippy_unipi", "control", "sysidentpy", "numpy")}
-    versions["python"] = platform.python_version()
-    if options.json:
-        print(json.dumps({"versions": versions, "lines": lines}, indent=2))
-    else:
-        print(", ".join(f"{name} {version}" for name, version in versions.items()))
+                show(line)
+    versions = [f"{name} {metadata.version(name)}" for name in ("anemo", "sippy_unipi", "control", "sysidentpy", "numpy")]
+    print(", ".join([*versions, f"python {platform.python_version()}"]))
 
 
 def show(line):

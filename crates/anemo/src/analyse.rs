@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::options::{PairArguments, PictureArguments};
 use crate::output::Failure;
-use crate::picture::PictureArguments;
 use diffusive::model::Model;
 use diffusive::predict::analysis_report::{AnalysisReport, AnalysisRequest};
 use plot::closed_loop;
@@ -34,12 +34,8 @@ Examples:
 pub struct Arguments {
     /// The model: a .json file of `anemo identify` or `anemo model`.
     model: PathBuf,
-    /// Pair, where the model has several: columns (power_w_a:temperature_c_b) or elements (a:b).
-    #[arg(long, value_name = "INPUT:OUTPUT", conflicts_with = "element")]
-    pair: Option<String>,
-    /// Self-heating pair of this element: short for --pair NAME:NAME.
-    #[arg(long, value_name = "NAME")]
-    element: Option<String>,
+    #[command(flatten)]
+    pair: PairArguments,
     /// Event class; by default the reference, or the first.
     #[arg(long, value_name = "LABEL")]
     class: Option<String>,
@@ -75,9 +71,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         ("--sample-period", arguments.sample_period),
         ("--gas-temperature", arguments.gas_temperature),
     ])?;
-    let own = arguments.element.as_ref().map(|element| format!("{element}:{element}"));
     let request = AnalysisRequest {
-        pair: arguments.pair.clone().or(own),
+        pair: arguments.pair.name(),
         class: arguments.class.clone(),
         target_k: arguments.target,
         power_low_w: arguments.low,

@@ -2,10 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use indicatif::ProgressBar;
-
-use crate::choice::choice;
+use crate::options::choice;
 use crate::output::{Failure, head_of, warn};
+use crate::progress::progress;
 use anemometry::calibrate::steady_wind::CalibratorError;
 use anemometry::calibrate::{
     CalibrationReport, Calibrator, DrawnOptions, Gravity, LossLaw, NetworkSource, SteadyTable, SteadyWind, steady_table,
@@ -165,9 +164,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     read.extend(arguments.network.as_deref());
     read.extend(arguments.winds.as_deref());
     crate::output::keep(&read, &[arguments.output.as_deref()])?;
-    if let Some(path) = &arguments.output {
-        crate::output::writable(path, "a head", "toml")?;
-    }
+    crate::output::writable(arguments.output.as_deref(), "a head", "toml")?;
 
     let head = head_of(&arguments.recordings[0], arguments.head.as_deref())?;
     let tables = tables(arguments)?;
@@ -245,12 +242,9 @@ fn calibrator<'a>(arguments: &Arguments, head: &'a Head, tables: &[SteadyTable])
 /// The steady winds of recordings, and how many were too short.
 fn recorded_winds(arguments: &Arguments, calibrator: &Calibrator<'_>) -> Result<(Vec<SteadyWind>, usize), Failure> {
     let table = arguments.winds.as_deref().map(given_winds::read).transpose().map_err(Failure::usage)?;
-    let bar = progress_bar_of(arguments.recordings.len());
+    let bar = progress("recordings", Some(arguments.recordings.len() as u64));
     let search = calibrator.search(arguments.settle, table.as_ref());
-    let winds = search.of_all(&arguments.recordings, &mut |done| {
-        bar.set_position(done as u64);
-        bar.tick();
-    });
+    let winds = search.of_all(&arguments.recordings, &mut |done| bar.set_position(done as u64));
     let winds = winds.map_err(Failure::usage)?;
     bar.finish_and_clear();
     Ok((winds.steady, winds.short))
@@ -280,9 +274,4 @@ fn check(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     Ok(())
-}
-
-fn progress_bar_of(recordings: usize) -> ProgressBar {
-    use std::io::IsTerminal as _;
-    if std::io::stderr().is_terminal() { ProgressBar::new(recordings as u64) } else { ProgressBar::hidden() }
 }

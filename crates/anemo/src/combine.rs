@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::options::PictureArguments;
 use crate::output::Failure;
-use crate::picture::PictureArguments;
-use crate::recorded::RecordingOutputs;
+use crate::record::RecordingOutputs;
 use anemometry::combine::combination::InstrumentAnswer;
 use anemometry::combine::estimate::Combiner;
 use anemometry::combine::instrument::InstrumentKind;
@@ -82,7 +82,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     crate::output::keep(&read, &[arguments.output.as_deref(), arguments.picture.path()])?;
     match (&arguments.by, arguments.output.as_deref()) {
         (None, _) if arguments.picture.path().is_some() => return Err(Failure::usage("--plot is of winds, with --by")),
-        (None, Some(path)) => crate::output::writable(path, "a combination", "json")?,
+        (None, path @ Some(_)) => crate::output::writable(path, "a combination", "json")?,
         (Some(_), Some(path)) => check_name(path).map_err(Failure::usage)?,
         (_, None) => {}
     }
@@ -189,15 +189,10 @@ fn estimate(arguments: &Arguments, combination: &Combination, readings: &Combine
         let found = combiner.estimate(of);
         let row = RecordingRow {
             time_s: readings.time_s[row],
-            temperature_c: &[],
-            power_w: &[],
-            equivalent_power_w: &[],
-            heaters: 0,
             event: &readings.events[row],
-            state: "",
             true_wind_m_s: true_wind.then(|| readings.true_wind_m_s[row].unwrap_or([f64::NAN; 3])),
-            gas_temperature_c: None,
             estimate: &numbers(found.as_ref()),
+            ..RecordingRow::default()
         };
         outputs.push(&row).map_err(Failure::work)?;
         estimates.push(found);
@@ -217,8 +212,9 @@ fn estimate(arguments: &Arguments, combination: &Combination, readings: &Combine
 /// A row's numbers, in the order of [`wind::COMBINED`].
 fn numbers(found: Option<&CombinedWind>) -> [f32; wind::COMBINED.len()] {
     let Some(found) = found else {
-        const NONE: f64 = f64::NAN;
-        return [NONE, NONE, NONE, NONE, NONE, NONE, NONE, f64::from(QualityFlags::FAILED.0)].map(|of| of as f32);
+        let mut none = [f32::NAN; wind::COMBINED.len()];
+        none[wind::COMBINED.len() - 1] = QualityFlags::FAILED.0.into();
+        return none;
     };
     let speed_m_s = length(found.wind_m_s);
     let flags = QualityFlags::default()

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::options::PairArguments;
 use crate::output::Failure;
 use diffusive::design::{DesignReport, Requirements, design};
 use diffusive::model::Model;
@@ -32,12 +33,8 @@ pub struct Arguments {
     /// would do.
     #[arg(long, value_name = "K|LOW..HIGH", allow_hyphen_values = true)]
     target: String,
-    /// Pair, where the model has several: columns (power_w_a:temperature_c_b) or elements (a:b).
-    #[arg(long, value_name = "INPUT:OUTPUT", conflicts_with = "element")]
-    pair: Option<String>,
-    /// Self-heating pair of this element: short for --pair NAME:NAME.
-    #[arg(long, value_name = "NAME")]
-    element: Option<String>,
+    #[command(flatten)]
+    pair: PairArguments,
     /// Winds in which the loop holds its set-point; by default all classes of the model.
     #[arg(long, value_name = "LABEL,…", value_delimiter = ',', conflicts_with = "conductance")]
     wind: Vec<String>,
@@ -118,8 +115,8 @@ fn range(option: &str, text: &str) -> Result<(f64, f64), Failure> {
 
 /// The winds that are requested, what the pair is called, and what a reader must know of it.
 fn winds(arguments: &Arguments, model: &Model) -> Result<(Vec<LoopModel>, String, Vec<String>), Failure> {
-    let named = arguments.element.as_ref().map(|element| format!("{element}:{element}"));
-    let pair = arguments.pair.as_ref().or(named.as_ref()).map(String::as_str);
+    let named = arguments.pair.name();
+    let pair = named.as_deref();
     let reference = model.wind.as_ref().map_or(&model.classes[0], |wind| &wind.reference);
     let part = PairClass::find(model, pair, Some(reference)).map_err(Failure::usage)?;
     let called = format!("{} → {}", part.pair.input, part.pair.output);

@@ -4,13 +4,15 @@
 //! The template is `identify_page.html`. Cells, items and paragraphs are the only ways into it, and
 //! each of them escapes its text: names of columns and files come from elsewhere.
 
+use std::collections::BTreeMap;
+
 use crate::output::Failure;
 use diffusive::identify::report::{IdentifyReport, moving_offset, whiteness_verdict};
 use diffusive::model::certainty::steady_gain_error;
-use diffusive::model::{Class, Model, ModelOutput, ModelWind, Pair, gain_unit};
+use diffusive::model::{Class, Estimate, Model, ModelOutput, ModelWind, Pair, gain_unit};
 use plot::Figure;
 use recording::template::fill;
-use recording::text::{brief, estimate, markup, short};
+use recording::text::{brief, capitalised, estimate, markup, short};
 
 const TEMPLATE: &str = include_str!("identify_page.html");
 const STYLE: &str = include_str!("identify_page.css");
@@ -29,7 +31,7 @@ pub fn page(report: &IdentifyReport<'_>, figure: &Figure) -> Result<String, Fail
     let values = [
         ("title", markup(&title)),
         ("style", STYLE.to_owned()),
-        ("verdict", markup(&capitalised(verdict))),
+        ("verdict", markup(&format!("{}.", capitalised(verdict)))),
         ("warnings", section("Warnings", "warning", &model.warnings)),
         ("advice", section("Next record", "", &model.advice)),
         ("record", record(model)),
@@ -95,15 +97,11 @@ fn resistances(model: &Model, pair: &Pair, label: &str, class: &Class) -> String
 }
 
 fn conductances(model: &Model, wind: &ModelWind) -> String {
-    let of = |(element, output): (&_, &ModelOutput)| {
-        let element: &std::collections::BTreeMap<String, diffusive::model::Estimate> = element;
+    let of = |(element, output): (&BTreeMap<String, Estimate>, &ModelOutput)| {
         let others = element.iter().filter(|(label, _)| **label != wind.reference);
-        let row = |(label, value): (&String, &diffusive::model::Estimate)| {
-            [
-                output.name.clone(),
-                label.clone(),
-                format!("{} W/K", estimate(value.value, output.inflation() * value.se)),
-            ]
+        let row = |(label, of): (&String, &Estimate)| {
+            let conductance = estimate(of.value, output.inflation() * of.se);
+            [output.name.clone(), label.clone(), format!("{conductance} W/K")]
         };
         others.map(row).collect::<Vec<_>>()
     };
@@ -162,11 +160,6 @@ fn parts(model: &Model) -> impl Iterator<Item = (&Pair, &String, &Class)> {
 fn subject(model: &Model, pair: &Pair, label: &str) -> String {
     let label = if model.classes.len() > 1 { format!(", {label}") } else { String::new() };
     format!("{} → {}{label}", pair.input, pair.output)
-}
-
-fn capitalised(sentence: &str) -> String {
-    let mut letters = sentence.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).chain(['.']).collect())
 }
 
 /// A heading and sentences, if there are any.

@@ -3,13 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use crate::choice::choice;
+use crate::options::choice;
 use crate::output::Failure;
 use host_sim::instrument::emulated::{Emulated, EmulatorLink};
-use host_sim::instrument::in_process;
 use host_sim::instrument::serial::Serial;
 use host_sim::instrument::virtual_line::{self, VirtualBoardFiles, VirtualLine};
-use host_sim::instrument::{InstrumentPort, LinkReport, LockStep, LockStepController, SettingsPort, setup};
+use host_sim::instrument::{InstrumentPort, LinkReport, LockStep, LockStepController, SettingsPort, in_process, setup};
 use host_sim::sensor::Sensor;
 use wire::BoardKind;
 
@@ -176,11 +175,10 @@ impl FromStr for On {
     }
 }
 
-/// A board that is open for what it keeps.
+/// A board that is open for what it keeps. One that is not emulated here goes on when it is closed.
 pub(super) enum OpenBoard {
     Emulated(Box<Emulated>),
-    Silicon(Box<Serial<VirtualLine>>),
-    Serial(Box<Serial>),
+    Other(Box<dyn SettingsPort>),
 }
 
 impl OpenBoard {
@@ -193,25 +191,23 @@ impl OpenBoard {
                 ));
             }
             On::Scpi(_) => return Err(no_head()),
-            On::Silicon => Self::Silicon(Box::new(emulation.start_silicon(None, Some(flash))?)),
+            On::Silicon => Self::Other(Box::new(emulation.start_silicon(None, Some(flash))?)),
             On::Qemu => Self::Emulated(Box::new(emulation.start(Some(flash))?)),
-            On::Serial(device) => Self::Serial(Box::new(Serial::open(device).map_err(Failure::work)?)),
+            On::Serial(device) => Self::Other(Box::new(Serial::open(device).map_err(Failure::work)?)),
         })
     }
 
     pub(super) fn port(&mut self) -> &mut dyn SettingsPort {
         match self {
             Self::Emulated(board) => board.as_mut(),
-            Self::Silicon(board) => board.as_mut(),
-            Self::Serial(board) => board.as_mut(),
+            Self::Other(board) => board.as_mut(),
         }
     }
 
     pub(super) fn close(self) -> Result<(), Failure> {
         match self {
             Self::Emulated(board) => board.finish().map(|_: LinkReport| ()).map_err(Failure::work),
-            // It goes on with whatever it does.
-            Self::Serial(_) | Self::Silicon(_) => Ok(()),
+            Self::Other(_) => Ok(()),
         }
     }
 }

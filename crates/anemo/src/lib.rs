@@ -19,12 +19,9 @@ mod analyse;
 mod board;
 mod calibrate;
 mod check;
-mod choice;
-mod columns;
 mod combine;
 mod design;
 mod feeding;
-mod fit_recorder;
 mod gone;
 mod head;
 mod identify;
@@ -32,8 +29,6 @@ mod identify_page;
 pub mod in_process;
 mod instrument;
 mod live;
-mod live_host;
-mod live_table;
 mod log;
 mod log_files;
 mod log_host;
@@ -42,25 +37,17 @@ mod mark;
 mod meteorology;
 mod model;
 mod model_options;
-mod mounting_options;
+mod options;
 mod output;
-mod pace;
-mod picture;
 mod plot;
 mod predict;
 mod predict_against;
-mod predict_device;
-mod program;
 mod progress;
-mod publish_options;
 mod record;
-mod recorded;
 mod recover;
-mod replay;
 mod run;
 mod run_device;
 mod self_test;
-mod service;
 mod validate;
 mod wind;
 
@@ -128,7 +115,7 @@ commands! {
         Validate: validate,
         Analyse: analyse,
         Design: design,
-        Predict: predict_device,
+        Predict: predict,
         Model: model,
     }
     "Wind" {

@@ -6,13 +6,12 @@ use std::time::{Duration, Instant, SystemTime};
 
 use crate::feeding;
 use crate::instrument::{InstrumentArguments, On};
-use crate::live_table::LiveTable;
 use crate::log_files::{ENDED, LogStatus, MarkReader};
 use crate::log_host::{Host, PressureFile};
 use crate::log_source::SourceArguments;
+use crate::options::PublishArguments;
 use crate::output::{Failure, complain};
-use crate::progress::on_interrupt;
-use crate::publish_options::PublishArguments;
+use crate::progress::{LiveTable, on_interrupt};
 use crate::record::SessionEnd;
 use host_sim::experiment::Experiment;
 use host_sim::run::log::{LogOptions, LogSummary, log};
@@ -109,7 +108,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         )));
     }
     if arguments.service {
-        return crate::output::print(&crate::service::unit(&experiment.title)?);
+        return crate::output::print(&crate::log_files::unit(&experiment.title)?);
     }
     crate::output::note_corrections(&experiment.head);
     arguments.publish.mount(&mut experiment.head)?;

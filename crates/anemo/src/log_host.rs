@@ -9,10 +9,10 @@ use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant, SystemTime};
 
 use crate::feeding;
-use crate::live_table::LiveTable;
 use crate::log_files::{LogStatus, MOST_EVENTS, MarkReader};
 use crate::log_source::PressureSource;
 use crate::output::complain;
+use crate::progress::LiveTable;
 use host_sim::instrument::serial::Serial;
 use host_sim::instrument::{InstrumentPort, Observation};
 use host_sim::run::RunError;

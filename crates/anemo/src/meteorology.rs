@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::mounting_options::MountingArguments;
+use crate::options::MountingArguments;
 use crate::output::Failure;
 use anemometry::meteorology::{AveragingError, AveragingOptions, average};
 use recording::{RecordingReader, check_name};

@@ -1,7 +1,6 @@
 //! Options of a model that is identified.
 
-use crate::choice::{at_least_one, choice};
-use crate::columns::Columns;
+use crate::options::{Columns, at_least_one, choice};
 use crate::output::Failure;
 use diffusive::identify::record::{Selection, Survey};
 use diffusive::identify::{Constraints, DriftGiven, DriftKind, GasGiven, IdentifyOptions, InitialState, Losses, Signs};

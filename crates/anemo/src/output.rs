@@ -196,7 +196,8 @@ pub fn write_text(path: &std::path::Path, text: &str) -> Result<(), Failure> {
 
 /// Refuses a file that could only fail to be written once the work is done; `what` has a name with
 /// this extension.
-pub fn writable(path: &std::path::Path, what: &str, extension: &str) -> Result<(), Failure> {
+pub fn writable(path: Option<&std::path::Path>, what: &str, extension: &str) -> Result<(), Failure> {
+    let Some(path) = path else { return Ok(()) };
     if !has_extension(path, extension) {
         return Err(Failure::in_file(path, format!("the name of {what} ends in .{extension}")));
     }

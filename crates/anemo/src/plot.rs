@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::choice::choice;
+use crate::options::choice;
 use crate::output::{Failure, finite, keep, print_report};
 use plot::{PictureFormat, PictureOptions, PictureWidth, TimeCrop};
 

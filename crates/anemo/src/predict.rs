@@ -1,19 +1,27 @@
-//! `anemo predict`: the power that a loop will take over an experiment, and against what it took.
+//! `anemo predict`: the power that a loop will take over an experiment, and against what it took;
+//! for an experiment on a MEMS capacitor, its symbols and shifts.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
 
-use crate::choice::choice;
+use crate::options::{PictureArguments, choice};
 use crate::output::Failure;
-use crate::picture::PictureArguments;
 use crate::predict_against::{ComparedRecording, of_milliwatts};
+use crate::progress::on_interrupt;
+use crate::record::RecordingOutputs;
+use dielectric::experiment::DeviceExperiment;
+use dielectric::predict::DevicePredictError;
+use dielectric::run::{layout, metadata, phases_of};
 use diffusive::model::Model;
 use diffusive::predict::closed::{LoopStart, Prediction, predict};
 use diffusive::predict::compare::{decimate, fits};
 use diffusive::predict::prediction_report::{PredictedElementReport, PredictionReport};
 use host_sim::experiment::Experiment;
+use host_sim::run::RunError;
 use plot::closed_loop;
 use plot::closed_loop::PredictedCharts;
 use recording::text::four_digits as brief;
+use recording::{Recording, WriterOptions};
 
 /// Window of the comparison in s, if none is given.
 const WINDOW_S: f64 = 1.0;
@@ -50,38 +58,35 @@ Examples:
   anemo predict charge.json experiments/mems/hold.toml --plot hold.svg")]
 pub struct Arguments {
     /// The model: a .json file of `anemo identify` or `anemo model`.
-    pub(super) model: PathBuf,
+    model: PathBuf,
     /// The experiment: a TOML file.
-    pub(super) experiment: PathBuf,
+    experiment: PathBuf,
     /// A recording of this experiment to compare with.
     #[arg(long, value_name = "RECORDING")]
-    pub(super) against: Option<PathBuf>,
+    against: Option<PathBuf>,
     /// Initial state of the structure.
     #[arg(long, value_name = "STATE", default_value = "standby", value_parser = choice([
         ("standby", "Every element has long been at its low level, as in standby", LoopStart::Standby),
         ("rest", "Nothing was ever heated", LoopStart::Rest),
         ("end", "End of the record from which the model was identified", LoopStart::End),
     ]))]
-    pub(super) from: LoopStart,
+    from: LoopStart,
     /// Window of the decimator, s, 2 to 1625 sample periods; by default 1 s, or 20 of them if
     /// longer.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    pub(super) window: Option<f64>,
+    window: Option<f64>,
     /// Write predicted powers (`limit_w_…`, `sampled_w_…`) of every tick to this .csv or .parquet
     /// file.
     #[arg(short, long = "output-file", value_name = "FILE")]
-    pub(super) output: Option<PathBuf>,
+    output: Option<PathBuf>,
     #[command(flatten)]
-    pub(super) picture: PictureArguments,
+    picture: PictureArguments,
     /// Print one JSON object instead of the summary.
     #[arg(long)]
-    pub(super) json: bool,
+    json: bool,
 }
 
-pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let read: Vec<&Path> =
-        [&arguments.model, &arguments.experiment].into_iter().chain(&arguments.against).map(PathBuf::as_path).collect();
-    crate::output::keep(&read, &[arguments.output.as_deref(), arguments.picture.path()])?;
+fn predict_for_head(arguments: &Arguments) -> Result<(), Failure> {
     let model = Model::read(&arguments.model).map_err(Failure::usage)?;
     let experiment = Experiment::read(&arguments.experiment)?;
     let (scenario, mut notes) = host_sim::experiment::scenario(&experiment, &model)
@@ -187,4 +192,48 @@ fn spans(prediction: &Prediction, model: &Model) -> Vec<(f64, f64, usize, String
         at += stretch.len();
     }
     spans
+}
+
+/// An experiment on a head, or on a device.
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    let of_device = crate::run_device::experiment_of(&arguments.experiment)?;
+    let read: Vec<&Path> =
+        [&arguments.model, &arguments.experiment].into_iter().chain(&arguments.against).map(PathBuf::as_path).collect();
+    crate::output::keep(&read, &[arguments.output.as_deref(), arguments.picture.path()])?;
+    match of_device {
+        Some(experiment) => predict_of_device(arguments, &experiment),
+        None => predict_for_head(arguments),
+    }
+}
+
+fn predict_of_device(arguments: &Arguments, experiment: &DeviceExperiment) -> Result<(), Failure> {
+    if arguments.window.is_some() {
+        return Err(Failure::usage("--window: of a device the halves of its phases are compared; leave it out"));
+    }
+    if arguments.from != LoopStart::Standby {
+        return Err(Failure::usage("--from: a device begins without charge; leave it out"));
+    }
+    let model = Model::read(&arguments.model).map_err(Failure::usage)?;
+    let options = WriterOptions::default();
+    let layout = layout(experiment, false);
+    let known = metadata(experiment, "model");
+    let mut rows = RecordingOutputs::create(arguments.output.as_deref(), &arguments.picture, layout, &known, &options)?;
+    let interrupted = on_interrupt();
+    let predicted = dielectric::predict::predict(&model, experiment, &mut |row| {
+        rows.push(row)?;
+        if interrupted.load(Ordering::Relaxed) { Err(RunError::Interrupted) } else { Ok(()) }
+    });
+    let mut report = predicted.map_err(|error| match error {
+        DevicePredictError::Model(error) => Failure::in_file(&arguments.model, error),
+        DevicePredictError::Run(error) => Failure::work(error),
+    })?;
+    rows.finish(&Vec::new())?;
+    if let Some(path) = &arguments.against {
+        let recording = Recording::read(path).map_err(Failure::usage)?;
+        if recording.metadata("experiment").is_some_and(|text| text != experiment.source.text) {
+            report.warnings.push(format!("{} is a recording of another experiment", path.display()));
+        }
+        report.against = Some(phases_of(experiment, &recording).map_err(Failure::usage)?);
+    }
+    crate::output::print_report(&report, arguments.json)
 }

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use crate::instrument::{InstrumentArguments, On};
+use crate::options::PictureArguments;
 use crate::output::Failure;
-use crate::picture::PictureArguments;
 use crate::record::{SessionEnd, SessionOutcome, SessionPlan, record};
 use crate::run_device;
 use host_sim::experiment::Experiment;

@@ -153,10 +153,8 @@ fn ended<R>(instrument: Box<dyn InstrumentPort>, report: Result<Option<R>, impl 
 
 /// Measures the ratios of the currents, and writes them into a head.
 fn test_currents(arguments: &Arguments, mut experiment: Experiment) -> Result<(), Failure> {
-    if let Some(path) = &arguments.output {
-        crate::output::keep(&[experiment.head.source.path.as_path()], &[Some(path)])?;
-        crate::output::writable(path, "a head", "toml")?;
-    }
+    crate::output::keep(&[experiment.head.source.path.as_path()], &[arguments.output.as_deref()])?;
+    crate::output::writable(arguments.output.as_deref(), "a head", "toml")?;
     experiment.sample_period_s = currents::PERIOD_S;
     let mut instrument = arguments.instrument.open(arguments.experiment.as_deref(), || Ok(experiment.sensor()?))?;
     let interrupted = on_interrupt();

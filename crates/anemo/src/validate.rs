@@ -2,14 +2,12 @@
 
 use std::path::PathBuf;
 
-use crate::choice::choice;
-use crate::columns::Columns;
-use crate::fit_recorder::FitRecorder;
+use crate::identify::FitRecorder;
+use crate::options::{Columns, PictureArguments, choice};
 use crate::output::Failure;
-use crate::picture::PictureArguments;
 use diffusive::identify::record::{RecordSource as _, RecordStream, Selection};
 use diffusive::identify::validate::{ValidationStart, validate};
-use diffusive::model::{Model, ModelError};
+use diffusive::model::Model;
 use plot::model::validation_figure;
 
 /// Predict a record with a model, and report how well.
@@ -47,14 +45,8 @@ pub struct Arguments {
     json: bool,
 }
 
-impl From<ModelError> for Failure {
-    fn from(error: ModelError) -> Self {
-        Self::usage(error)
-    }
-}
-
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let model = Model::read(&arguments.model)?;
+    let model = Model::read(&arguments.model).map_err(Failure::usage)?;
     let asked = arguments.columns.selection();
     let or = |given: &[String], own: Vec<String>| if given.is_empty() { own } else { given.to_vec() };
     let selection = Selection {

@@ -2,17 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::mounting_options::MountingArguments;
+use crate::options::{MountingArguments, PictureArguments, choice};
 use crate::output::{Failure, has_elements, head_of};
-use crate::picture::PictureArguments;
-use crate::recorded::RecordingOutputs;
+use crate::record::RecordingOutputs;
 use anemometry::head::{Head, WindOutput};
 use anemometry::wind::off_line::WindError;
 use anemometry::wind::field_correction::{FieldCorrection, SlowErrorKind};
 use anemometry::wind::gas_uncertainty::GasUncertainty;
-use anemometry::wind::given_winds;
-use anemometry::wind::{EstimatedWind, WindEstimation, WindOptions};
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use anemometry::wind::{EstimatedWind, WindEstimation, WindOptions, given_winds};
 use recording::head_mounting::{HeadMounting, earth_numbers};
 use recording::{Metadata, RecordingLayout, RecordingReader, RecordingRow, WriterOptions, check_name, wind};
 
@@ -91,7 +88,11 @@ pub struct Arguments {
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
     settle: f64,
     /// Find slow errors of single surfaces in this recording and correct the wind by them.
-    #[arg(long, value_name = "offsets|gains|both", value_parser = kinds())]
+    #[arg(long, value_name = "offsets|gains|both", value_parser = choice([
+        ("offsets", "", SlowErrorKind::Offsets),
+        ("gains", "", SlowErrorKind::Gains),
+        ("both", "", SlowErrorKind::Both),
+    ]))]
     field_correction: Option<SlowErrorKind>,
     /// Write a head with these corrections, a .toml file.
     #[arg(long, value_name = "FILE", requires = "field_correction")]
@@ -104,15 +105,6 @@ pub struct Arguments {
     /// Print one JSON object instead of the summary.
     #[arg(long)]
     json: bool,
-}
-
-/// The kinds of slow errors, by their words.
-fn kinds() -> impl TypedValueParser<Value = SlowErrorKind> {
-    PossibleValuesParser::new(["offsets", "gains", "both"]).map(|word| match &*word {
-        "offsets" => SlowErrorKind::Offsets,
-        "gains" => SlowErrorKind::Gains,
-        _ => SlowErrorKind::Both,
-    })
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
@@ -167,7 +159,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         cores: estimation.cores(),
         ..RecordingLayout::default()
     };
-    let mut known = metadata(arguments, &head, &estimation)?;
+    let mut known = metadata(arguments, &head, &estimation, &known);
     known.extend(mounting.iter().flat_map(HeadMounting::metadata));
     let mut recorded = RecordingOutputs::create(
         arguments.output.as_deref(),
@@ -186,15 +178,12 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         numbers.extend(unknown_heat_w);
         let row = RecordingRow {
             time_s: moment.time_s,
-            temperature_c: &[],
-            power_w: &[],
-            equivalent_power_w: &[],
-            heaters: 0,
             event: &moment.event,
             state: &moment.state,
             true_wind_m_s: true_wind.then(|| true_wind_m_s.unwrap_or([f64::NAN; 3])),
             gas_temperature_c: gas.then(|| moment.gas_c.unwrap_or(f64::NAN)),
             estimate: &numbers,
+            ..RecordingRow::default()
         };
         recorded.push(&row).map_err(Failure::work)?;
     }
@@ -245,17 +234,15 @@ fn check(arguments: &Arguments) -> Result<(), Failure> {
     let read: Vec<_> = read.into_iter().flatten().map(PathBuf::as_path).collect();
     let written = [arguments.write_head.as_deref(), arguments.output.as_deref(), arguments.picture.path()];
     crate::output::keep(&read, &written)?;
-    if let Some(path) = &arguments.write_head {
-        crate::output::writable(path, "a head", "toml")?;
-    }
+    crate::output::writable(arguments.write_head.as_deref(), "a head", "toml")?;
     arguments.output.as_deref().map_or(Ok(()), check_name).map_err(Failure::usage)
 }
 
 /// Metadata of the file of estimates.
-fn metadata(arguments: &Arguments, head: &Head, estimation: &WindEstimation<'_>) -> Result<Metadata, Failure> {
+fn metadata(arguments: &Arguments, head: &Head, estimation: &WindEstimation<'_>, known: &Metadata) -> Metadata {
     let recording = arguments.recording.display().to_string();
-    let known = RecordingReader::open(&arguments.recording).map_err(Failure::usage)?.metadata();
-    let title = known.into_iter().find(|(key, _)| key == "title").map_or_else(|| recording.clone(), |(_, title)| title);
+    let title =
+        known.iter().find(|(key, _)| key == "title").map_or_else(|| recording.clone(), |(_, title)| title.clone());
     let pairs = [
         ("title", title),
         ("head_name", head.name.clone()),
@@ -270,5 +257,5 @@ fn metadata(arguments: &Arguments, head: &Head, estimation: &WindEstimation<'_>)
         ("software", format!("anemo {}", env!("CARGO_PKG_VERSION"))),
     ];
     let known = pairs.into_iter().map(|(key, value)| (key.to_owned(), value));
-    Ok(known.chain(estimation.gas.metadata()).collect())
+    known.chain(estimation.gas.metadata()).collect()
 }

@@ -6,10 +6,10 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use crate::engine::chart::Figure;
-use crate::error::PlotError;
-use crate::picture::{PictureFormat, PictureWidth};
+use crate::picture::{PictureFormat, PictureWidth, PlotError};
 use crate::{model, run};
 use diffusive::model::Model;
+use recording::text::count;
 use recording::{Temporary, ThinnedRecording};
 
 /// What a picture's file is beside its name.
@@ -91,8 +91,7 @@ pub enum PlotReport {
 impl Display for PlotReport {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Model { plot, pairs: 1 } => writeln!(f, "model of 1 pair drawn into {plot}"),
-            Self::Model { plot, pairs } => writeln!(f, "model of {pairs} pairs drawn into {plot}"),
+            Self::Model { plot, pairs } => writeln!(f, "model of {} drawn into {plot}", count(*pairs, "pair")),
             Self::Recording { plot, rows } => writeln!(f, "{rows} rows drawn into {plot}"),
         }
     }

@@ -1,14 +1,14 @@
 //! Closed loops: poles and zeros with the power after a step, and predicted against recorded power.
 
-use crate::engine::axis::Scale;
+use crate::engine::axis::{Scale, extent};
 use crate::engine::chart::{Chart, Figure};
-use crate::engine::extent::extent;
 use crate::engine::reduce::{BINS, Bin, bins};
 use crate::engine::trace::Trace;
 use crate::engine::words::{brief, power_unit};
 use diffusive::predict::analysis::Analysis;
 use diffusive::predict::compare::DecimatedRow;
 use diffusive::predict::disturbance::WindChange;
+use recording::text::capitalised;
 
 /// Points of a curve.
 const POINTS: u32 = 400;
@@ -131,7 +131,7 @@ pub fn prediction_figure(
         if differences.iter().any(|(_, of)| of.is_finite()) {
             // A hundredth of the power at least: less is hardly worth a scale of its own.
             let reach = greatest.max(0.01 * factor * greatest_w);
-            let chart = Chart::new(format!("{} less predicted", sentence(what)), unit)
+            let chart = Chart::new(format!("{} less predicted", capitalised(what)), unit)
                 .y_title("Difference")
                 .height(22.0)
                 .range(-reach, reach);
@@ -177,12 +177,6 @@ fn arrival(temperature_c: &[f64], target_c: &[f64]) -> usize {
     let Some(first) = temperature_c.iter().find(|now| now.is_finite()) else { return 0 };
     let is_there = |(now, target): (&f64, &f64)| if first < target { now >= target } else { now <= target };
     temperature_c.iter().zip(target_c).position(is_there).unwrap_or(0)
-}
-
-/// With a capital at its beginning.
-fn sentence(words: &str) -> String {
-    let mut letters = words.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 #[cfg(test)]

@@ -43,7 +43,6 @@
 mod canvas;
 pub mod closed_loop;
 mod engine;
-mod error;
 pub mod head;
 pub mod model;
 mod picture;
@@ -55,8 +54,7 @@ pub use engine::chart::{Chart, Figure};
 pub use engine::reduce::Bin;
 pub use engine::trace::Trace;
 pub use engine::words::brief;
-pub use error::PlotError;
-pub use picture::{PictureFormat, PictureWidth};
+pub use picture::{PictureFormat, PictureWidth, PlotError};
 
 #[cfg(test)]
 mod on_paper;

@@ -3,7 +3,7 @@
 
 use crate::engine::axis::Axis;
 use crate::engine::chart::{Chart, ChartFrame, Figure};
-use crate::engine::type_face::Weight;
+use crate::engine::words::Weight;
 use crate::picture::{PictureFormat, PictureWidth};
 use crate::{closed_loop, model, run, tests};
 use diffusive::model::testing;

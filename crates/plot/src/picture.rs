@@ -1,17 +1,18 @@
-//! What a picture is on paper and on disk: its width, its format, and how SVG becomes PDF and PNG.
+//! A picture on paper and on disk: its width, its format, its errors, and the way from SVG to PDF
+//! and PNG.
 //!
 //! PDF and PNG are made from the SVG with the embedded face, so that they are the same on every
 //! machine. Text of a PDF stays text; a PNG has 300 dots an inch.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::Arc;
 
-use resvg::{tiny_skia, usvg};
-
 use crate::engine::svg::MM;
-use crate::engine::type_face::Weight;
-use crate::error::PlotError;
+use crate::engine::words::Weight;
+use diffusive::model::ModelError;
+use recording::RecordingError;
+use resvg::{tiny_skia, usvg};
 
 /// Points in an inch, and dots of a PNG.
 const POINTS_PER_INCH: f32 = 72.0;
@@ -119,4 +120,56 @@ fn png_of(dots: &tiny_skia::Pixmap) -> Result<Vec<u8>, png::EncodingError> {
     let colours: Vec<u8> = dots.pixels().iter().flat_map(|dot| [dot.red(), dot.green(), dot.blue()]).collect();
     encoder.write_header()?.write_image_data(&colours)?;
     Ok(content)
+}
+
+/// Why a picture cannot be drawn.
+#[derive(Debug, thiserror::Error)]
+pub enum PlotError {
+    /// The file's name is not that of a picture.
+    #[error("{}: a picture's name ends in .svg, .pdf or .png", .0.display())]
+    Extension(PathBuf),
+    /// A page has no such width.
+    #[error("a picture is 60 to 400 mm wide, not `{0}`")]
+    Width(String),
+    /// PDF or PNG cannot be made of a figure.
+    #[error("the picture cannot be converted: {0}")]
+    Encoding(String),
+    /// No panel's caption begins so.
+    #[error("the picture has no panel `{name}`; it has `{panels}`")]
+    Panel {
+        /// The name that was given.
+        name: String,
+        /// Captions of the panels that there are.
+        panels: String,
+    },
+    /// There is no row between the times that were requested.
+    #[error("{}: has no row between these times; it lasts from {first_s} s to {last_s} s", path.display())]
+    Crop {
+        /// Of the recording.
+        path: PathBuf,
+        /// Time of its first row, s.
+        first_s: f64,
+        /// Time of its last row, s.
+        last_s: f64,
+    },
+    /// A model has no time of which a part could be drawn.
+    #[error("{}: is a model, whose axes are rates; a part of the time is drawn of recordings only", .0.display())]
+    CroppedModel(PathBuf),
+    /// The picture cannot be written.
+    #[error("{}: cannot be written: {reason}", path.display())]
+    Io {
+        /// Of the picture.
+        path: PathBuf,
+        /// The reason that the system gives.
+        reason: String,
+    },
+    /// The recording cannot be read.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// The model cannot be read.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// The table is none that a run or an anemometer makes.
+    #[error("{}: holds none of the columns that a run records, such as temperature_c_<element>", .0.display())]
+    Nothing(PathBuf),
 }

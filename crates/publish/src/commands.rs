@@ -3,17 +3,22 @@
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
 use std::time::Duration;
 
-/// A request to the run.
-#[derive(Debug, Clone, PartialEq)]
+use serde::Deserialize;
+
+/// A request to the run; the page sends it as JSON: `"stop"`, `{"mark": {"text": "…"}}`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum FeedCommand {
+    /// Accept commands that can heat.
+    Arm,
     /// Heat, by the set-points.
     Start,
     /// Heaters to standby.
     Stop,
-    /// Accept commands that can heat.
-    Arm,
     /// Acknowledge the trip.
     Acknowledge,
+    /// Test the elements.
+    SelfTest,
     /// Change what an element is held at.
     SetPoint {
         /// The element's name.
@@ -21,18 +26,17 @@ pub enum FeedCommand {
         /// °C.
         temperature_c: f64,
     },
-    /// The gas has another pressure.
-    Pressure {
-        /// Pa.
-        pressure_pa: f64,
-    },
     /// Mark an event in the recording.
     Mark {
         /// In the listener's words.
         text: String,
     },
-    /// Test the elements.
-    SelfTest,
+    /// The gas has another pressure; no command of the page.
+    #[serde(skip_deserializing)]
+    Pressure {
+        /// Pa.
+        pressure_pa: f64,
+    },
 }
 
 /// Why the run does not obey: a sentence.

@@ -213,8 +213,8 @@ struct QueueState {
     is_over: bool,
 }
 
-/// A panic of another thread leaves a queue as usable as it was.
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+/// Locks what a panic of another thread leaves as usable as it was.
+pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 

@@ -8,9 +8,8 @@
 //! - what speaks HTTP checks Host and Origin ([`check_http`]), against pages of other sites and
 //!   names that are made to point here.
 
-use std::fmt;
-use std::io;
 use std::net::{IpAddr, Ipv6Addr, SocketAddr, TcpStream};
+use std::{fmt, io};
 // The types that clippy.toml disallows everywhere else.
 #[allow(clippy::disallowed_types)]
 use std::net::{TcpListener, UdpSocket};

@@ -85,6 +85,11 @@ impl PublishTarget {
     pub const fn is_wind_only(&self) -> bool {
         matches!(self.format, PublishFormat::Nmea | PublishFormat::GillPolar | PublishFormat::GillUv)
     }
+
+    /// Whether its clients can command, if they know the token.
+    pub fn takes_commands(&self) -> bool {
+        self.format == PublishFormat::Scpi
+    }
 }
 
 impl FromStr for PublishTarget {
@@ -135,13 +140,6 @@ impl FromStr for PublishTarget {
         options.all_used(&name)?;
         let default_s = if format == PublishFormat::Mqtt { 1.0 } else { 0.0 };
         Ok(Self { every_s: options.every_s.unwrap_or(default_s), name, format, way, login, ca_file: None })
-    }
-}
-
-impl PublishTarget {
-    /// Whether its clients can command, if they know the token.
-    pub fn takes_commands(&self) -> bool {
-        self.format == PublishFormat::Scpi
     }
 }
 

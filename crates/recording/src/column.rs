@@ -285,12 +285,15 @@ impl TableHead {
 /// The reader of a format: what [`crate::RecordingReader`] says of each of these holds here.
 pub(crate) trait ChunkSource {
     fn metadata(&self) -> Metadata;
-    fn rows(&self) -> Option<u64>;
+    fn rows(&self) -> Option<u64> {
+        None
+    }
     fn units(&self) -> &[String] {
         &[]
     }
     fn holds_text(&mut self, head: &TableHead) -> Result<Vec<bool>, RecordingError>;
-    fn read_as_text(&mut self, column: usize);
+    /// Parquet and tables in memory have types.
+    fn read_as_text(&mut self, _column: usize) {}
     fn read_as_time(&mut self, column: usize);
     fn skip(&mut self, rows: u64, head: &TableHead) -> Result<u64, RecordingError>;
     fn next_chunk(&mut self, head: &TableHead) -> Result<Option<Vec<ColumnValues>>, RecordingError>;

@@ -8,8 +8,7 @@ use std::fs::File;
 use std::path::Path;
 
 use crate::column::{CHUNK, ChunkSource, ColumnValues, Metadata, RowCell, TableHead};
-use crate::csv_lines::CsvLines;
-use crate::dialect::{BLANK, Dialect, without_runs};
+use crate::csv_lines::{BLANK, CsvLines, Dialect, without_runs};
 use crate::error::RecordingError;
 use crate::names::{EVENT, STATE, UTC};
 use crate::utc;
@@ -181,10 +180,6 @@ impl CellKind {
 }
 
 impl ChunkSource for CsvReader {
-    fn rows(&self) -> Option<u64> {
-        None
-    }
-
     /// What has been met so far; complete after the last chunk.
     fn metadata(&self) -> Metadata {
         self.csv.get_ref().metadata().clone()

@@ -187,9 +187,6 @@ impl ChunkSource for MemoryReader {
         Ok((0..head.names.len()).map(|column| self.table.holds_text(column)).collect())
     }
 
-    /// Columns have their types.
-    fn read_as_text(&mut self, _column: usize) {}
-
     fn read_as_time(&mut self, column: usize) {
         self.times.push(column);
     }

@@ -62,17 +62,11 @@
 //! The feature `parquet` (on by default) reads and writes Parquet; without it, a `.parquet` file is
 //! refused.
 
-mod clock_fit;
-mod collector;
 mod column;
 mod csv;
 mod csv_lines;
 mod csv_read;
-#[cfg(feature = "parquet")]
-mod describe;
-mod dialect;
 mod error;
-mod file_format;
 pub mod head_mounting;
 pub mod in_memory;
 pub mod interrupt;
@@ -84,7 +78,6 @@ mod reader;
 mod recording;
 pub mod regular;
 mod row;
-mod segment_names;
 pub mod template;
 mod temporary;
 pub mod text;
@@ -94,22 +87,20 @@ pub mod utc;
 pub mod wind;
 mod writer;
 
-pub use collector::Collector;
 pub use column::{CHUNK, ColumnValues, ColumnWords, Metadata, RecordingColumn};
 pub use error::RecordingError;
-pub use file_format::check_name;
 pub use names::{
     BITS, CONDUCTANCE, EQUIVALENT_POWER, EVENT, GAS_TEMPERATURE, GIVEN_WIND, HEATER, OFFSET_CAPACITANCE, POWER,
     RAW_CONDUCTANCE, REFERENCE, STATE, SYMBOL, SYMBOL_CAPACITANCE, TEMPERATURE, TIME, TRUE_OFFSET_CAPACITANCE,
     TRUE_VOLTAGE_SHIFT, TRUE_WIND, UNKNOWN_HEAT, UTC, VOLTAGE_SHIFT, column_name, element_of, in_columns, is_pair,
     shared_column, stated_unit,
 };
-pub use parts::{journal_of, named_by, whole_path};
+pub use parts::{check_name, journal_of, named_by, whole_path};
 pub use reader::RecordingReader;
 pub use recording::Recording;
 pub use row::{RecordingLayout, RecordingRow};
 pub use temporary::Temporary;
-pub use thinned::{MOST_ROWS, ThinnedRecording};
+pub use thinned::{Collector, MOST_ROWS, ThinnedRecording};
 pub use writer::{
     Recorder, RecordingSoFar, RecordingWriter, Recovered, SegmentLength, SegmentLengthError, WriterOptions,
     is_being_written, recover, so_far, write_columns, write_table,

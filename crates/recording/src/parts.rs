@@ -4,14 +4,14 @@
 //! |---|---|
 //! | `segment-000001.parquet` … | closed segments, each a recording of its own |
 //! | `recording.journal` | the rows since the last one; of a recording that goes on, or was cut short |
+//!
+//! The extension of a file says its format.
 
 use std::path::{Path, PathBuf};
 
 use crate::csv_read::CsvReader;
 use crate::error::RecordingError;
-use crate::file_format::JOURNAL;
 use crate::regular;
-use crate::segment_names::number_of_segment;
 
 /// Metadata key: which of its recording's segments a file is, from 1.
 pub(crate) const SEGMENT_NUMBER: &str = "segment";
@@ -105,4 +105,79 @@ fn files_in(folder: &Path) -> Result<Vec<PathBuf>, RecordingError> {
         return Err(RecordingError::new(folder, "is a folder without segment-*.parquet: it holds no recording"));
     }
     Ok(files)
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum FileFormat {
+    #[cfg(feature = "parquet")]
+    Parquet,
+    Csv,
+    /// CSV that may end in the middle of a row.
+    Journal,
+}
+
+/// Extension of a journal.
+pub(crate) const JOURNAL: &str = "journal";
+
+impl FileFormat {
+    pub(crate) fn of(path: &Path) -> Result<Self, RecordingError> {
+        let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+        match extension.to_ascii_lowercase().as_str() {
+            #[cfg(feature = "parquet")]
+            "parquet" => Ok(Self::Parquet),
+            #[cfg(not(feature = "parquet"))]
+            "parquet" => Err(RecordingError::new(
+                path,
+                "this program was built without Parquet: use a .csv file, or build it with the feature `parquet`",
+            )),
+            "csv" => Ok(Self::Csv),
+            JOURNAL => Ok(Self::Journal),
+            _ => Err(unknown(path)),
+        }
+    }
+}
+
+fn unknown(path: &Path) -> RecordingError {
+    RecordingError::new(path, "a recording's name ends in .parquet or .csv")
+}
+
+/// Refuses a name that could only fail once the work is done: the extension first of all.
+///
+/// # Errors
+/// If the extension is none of a recording.
+pub fn check_name(path: &Path) -> Result<(), RecordingError> {
+    match FileFormat::of(path)? {
+        FileFormat::Journal => Err(unknown(path)),
+        _ => Ok(()),
+    }
+}
+
+#[cfg(all(test, not(feature = "parquet")))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_its_feature_parquet_is_refused_with_what_would_be_right() {
+        let sentence = check_name(Path::new("r.parquet")).unwrap_err().to_string();
+        assert_eq!(
+            sentence,
+            "r.parquet: this program was built without Parquet: use a .csv file, or build it with the feature `parquet`"
+        );
+        assert!(check_name(Path::new("r.csv")).is_ok());
+    }
+}
+
+const SEGMENT: &str = "segment-";
+
+/// A segment of a folder.
+pub(crate) fn segment_in(folder: &Path, number: u32) -> PathBuf {
+    let extension = if cfg!(feature = "parquet") { "parquet" } else { "csv" };
+    folder.join(format!("{SEGMENT}{number:06}.{extension}"))
+}
+
+/// The number that a segment's name says.
+pub(crate) fn number_of_segment(file: &Path) -> Option<u32> {
+    let is_table = file.extension().is_some_and(|extension| extension == "parquet" || extension == "csv");
+    let number = file.file_stem()?.to_str()?.strip_prefix(SEGMENT)?;
+    number.parse().ok().filter(|_| is_table)
 }

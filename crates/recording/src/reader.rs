@@ -5,12 +5,10 @@ use std::path::{Path, PathBuf};
 use crate::column::{ChunkSource, Metadata, RecordingColumn, TableHead, overlay};
 use crate::csv_read::CsvReader;
 use crate::error::RecordingError;
-use crate::file_format::FileFormat;
-use crate::in_memory;
 use crate::interrupt::is_interrupted;
 use crate::names::{FORMAT, duplicate};
-use crate::parts::files_of;
-use crate::regular;
+use crate::parts::{FileFormat, files_of};
+use crate::{in_memory, regular};
 
 /// A recording that is read chunk by chunk, in memory that does not grow with its length.
 pub struct RecordingReader {

@@ -51,6 +51,12 @@ pub fn count(number: usize, thing: &str) -> String {
     format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }
 
+/// With a capital at its beginning.
+pub fn capitalised(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
 /// So many names, and the number of the others.
 pub fn listed<S: std::borrow::Borrow<str>>(names: &[S], most: usize) -> String {
     match names.len().saturating_sub(most) {

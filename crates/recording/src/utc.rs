@@ -1,7 +1,7 @@
 //! Moments in UTC: in memory seconds since 1970 in f64, which resolves a quarter of a microsecond;
 //! in CSV as RFC 3339 has them, or as loggers write them.
 
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use time::format_description::well_known::Rfc3339;
 use time::{Date, Month, OffsetDateTime};
@@ -11,11 +11,6 @@ pub fn seconds_of(moment: SystemTime) -> f64 {
     moment
         .duration_since(UNIX_EPOCH)
         .map_or_else(|before| -before.duration().as_secs_f64(), |since| since.as_secs_f64())
-}
-
-/// The moment so many seconds after 1970; 1970 for what is no time.
-pub fn moment_of(seconds: f64) -> SystemTime {
-    Duration::try_from_secs_f64(seconds).map_or(UNIX_EPOCH, |since| UNIX_EPOCH + since)
 }
 
 /// `2026-03-01T12:00:00.25Z`, to the microsecond; nothing for what is no time.
@@ -102,6 +97,7 @@ fn whole(digits: &str) -> Option<i64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::time::Duration;
 
     #[test]
     fn a_moment_is_written_and_read_to_the_microsecond() {
@@ -115,7 +111,7 @@ mod tests {
         }
         assert_eq!(from_rfc3339("2000-03-01T01:59:59+02:00"), from_rfc3339("2000-02-29T23:59:59Z"));
         assert_eq!((rfc3339(f64::NAN), from_rfc3339("noon")), (String::new(), None));
-        assert_eq!(seconds_of(moment_of(1_793_000_000.25)), 1_793_000_000.25);
+        assert_eq!(seconds_of(UNIX_EPOCH + Duration::from_secs_f64(1_793_000_000.25)), 1_793_000_000.25);
     }
 
     #[test]

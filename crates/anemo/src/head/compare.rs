@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::mounting_options::MountingArguments;
+use crate::options::MountingArguments;
 use crate::output::{Failure, head_of};
 use anemometry::meteorology::AveragingOptions;
 use anemometry::meteorology::reference_check::{ReferenceCheckError, compare};
@@ -60,9 +60,7 @@ pub fn compare_with_reference(arguments: &CompareArguments) -> Result<(), Failur
     let read = [Some(&arguments.estimates), Some(&arguments.reference), arguments.head.as_ref()];
     let read: Vec<&Path> = read.into_iter().flatten().map(PathBuf::as_path).collect();
     crate::output::keep(&read, &[arguments.output.as_deref()])?;
-    if let Some(path) = &arguments.output {
-        crate::output::writable(path, "a head", "toml")?;
-    }
+    crate::output::writable(arguments.output.as_deref(), "a head", "toml")?;
     let metadata = RecordingReader::open(&arguments.estimates).map_err(Failure::usage)?.metadata();
     let options = AveragingOptions {
         interval_s: arguments.interval,

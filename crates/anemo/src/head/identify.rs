@@ -61,9 +61,7 @@ pub struct IdentifyArguments {
 pub fn identify_network(arguments: &IdentifyArguments) -> Result<(), Failure> {
     let read: Vec<_> = arguments.records.iter().map(PathBuf::as_path).collect();
     crate::output::keep(&read, &[arguments.output.as_deref()])?;
-    if let Some(path) = &arguments.output {
-        crate::output::writable(path, "a network", "json")?;
-    }
+    crate::output::writable(arguments.output.as_deref(), "a network", "json")?;
     let poles = PolesPerPair { own: usize::from(arguments.own_poles), cross: usize::from(arguments.cross_poles) };
     let head = head(arguments)?;
     let senses: Vec<String> = head

@@ -3,14 +3,12 @@
 //! | file | what |
 //! |---|---|
 //! | [`new`] | a head's file and first experiments to begin with |
-//! | [`check`] | what the file comes to: network, powers, winds, warnings |
+//! | [`check`] | what the file comes to: network, powers, winds, warnings, a picture |
 //! | [`compare`] | a head beside a reference anemometer |
-//! | `figure` | its picture |
 //! | [`identify`] | the network of its elements in quiescent gas, from records |
 
 pub mod check;
 pub mod compare;
-mod figure;
 pub mod identify;
 pub mod new;
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anemometry::head::Head;
 use host_sim::new_head::{self, NewExperiments, NewHeadError, NewHeadKind, OVERHEAT_K};
 
-use crate::choice::choice;
+use crate::options::choice;
 use crate::output::Failure;
 
 /// Winds to estimate.

@@ -92,15 +92,10 @@ impl DeviceRow {
         };
         sink(&RecordingRow {
             time_s: experiment.time_s(tick),
-            temperature_c: &[],
-            power_w: &[],
-            equivalent_power_w: &[],
-            heaters: 0,
             event: &experiment.phase(tick).label,
             state: &state,
-            true_wind_m_s: None,
-            gas_temperature_c: None,
             estimate: &self.numbers,
+            ..RecordingRow::default()
         })
     }
 }

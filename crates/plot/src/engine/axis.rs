@@ -1,7 +1,5 @@
 //! Ranges and ticks that people would have chosen: steps of 1, 2 or 5 times a power of ten, or
-//! decades on a logarithmic axis.
-
-use super::extent::extent;
+//! decades on a logarithmic axis; and the extent of values.
 
 /// How values are laid out along an axis.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -175,6 +173,23 @@ fn step(span: f64, ticks: usize) -> f64 {
     steps.into_iter().find(|step| *step >= 0.7 * rough).unwrap_or(10.0 * power)
 }
 
+/// Share of the values that an axis may leave out at either end: transients of the start.
+const LEFT_OUT: f64 = 0.005;
+
+/// The least and the greatest of those that are finite.
+pub fn extent(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
+    let ends = values.into_iter().filter(|value| value.is_finite()).map(|value| (value, value));
+    ends.reduce(|all, of| (all.0.min(of.0), all.1.max(of.1)))
+}
+
+/// The same but for a few at either end.
+pub fn extent_of_most(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
+    let mut values: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
+    values.sort_by(f64::total_cmp);
+    let left_out = (values.len() as f64 * LEFT_OUT) as usize;
+    Some((*values.get(left_out)?, *values.get(values.len() - 1 - left_out)?))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -234,5 +249,14 @@ mod tests {
         assert_eq!(labels(&axis), ["1", "2", "5", "10"]);
         assert_eq!(labels(&Axis::logarithmic([3e-7], 6)), ["10⁻⁷", "2·10⁻⁷", "5·10⁻⁷", "10⁻⁶"]);
         assert!(labels(&Axis::logarithmic([0.0], 6)).contains(&"1".to_owned()));
+    }
+
+    #[test]
+    fn missing_values_do_not_count_and_few_may_be_left_out() {
+        assert_eq!(extent([2.0, f64::NAN, -1.0, f64::INFINITY]), Some((-1.0, 2.0)));
+        assert_eq!((extent([f64::NAN]), extent_of_most([f64::NAN])), (None, None));
+        // Half a percent of 400 are two.
+        assert_eq!(extent_of_most((0..400).map(f64::from)), Some((2.0, 397.0)));
+        assert_eq!(extent_of_most([3.0]), Some((3.0, 3.0)));
     }
 }

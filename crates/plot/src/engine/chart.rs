@@ -5,10 +5,8 @@
 //! of half a point is drawn as its mean within the band of its extremes. The points of a line must
 //! ascend in x.
 
-use super::axis::{Axis, Scale};
-use super::colour::Colour;
-use super::extent::extent;
-use super::pen::Pen;
+use super::axis::{Axis, Scale, extent};
+use super::colour::{Colour, Pen};
 use super::reduce::Bin;
 use super::svg::MM;
 use super::trace::{Trace, TraceStyle};

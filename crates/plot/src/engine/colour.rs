@@ -1,5 +1,8 @@
 //! Colours that readers can tell apart without seeing all of them, and those with one meaning in
 //! every picture.
+//!
+//! Pens tell the curves of a chart apart by dashes or the shape of a point, too: a picture in grey
+//! says the same.
 
 /// A colour of the SVG, with its opacity.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,9 +68,86 @@ impl Colour {
     }
 }
 
+/// The dashes of a trace that is drawn as "dashed" whatever its number, points.
+pub const DASHED: &str = "3 2";
+
+/// Lengths of dashes and gaps by number, points. Blue, ink and grey are far apart in grey, and
+/// stay whole.
+const DASHES: [&str; 8] = ["", "6 1.6", "1.2 1.4", "5 1.5 1.2 1.5", "2.6 1.5", "8 1.5 1.2 1.5 1.2 1.5", "", ""];
+
+/// The shape of a point: a place in [`OUTLINES`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Marker(usize);
+
+/// Corners around the middle, across and down in turn; the circle has none. Shapes of one radius look
+/// equally large: circle, square, triangle, diamond, triangle that points down, cross, plus, star.
+const OUTLINES: [&[f64]; 8] = [
+    &[],
+    &[-0.9, -0.9, 0.9, -0.9, 0.9, 0.9, -0.9, 0.9],
+    &[0.0, -1.25, 1.15, 0.85, -1.15, 0.85],
+    &[0.0, -1.35, 1.1, 0.0, 0.0, 1.35, -1.1, 0.0],
+    &[0.0, 1.25, 1.15, -0.85, -1.15, -0.85],
+    &[
+        -1.2, -0.8, -0.8, -1.2, 0.0, -0.4, 0.8, -1.2, 1.2, -0.8, 0.4, 0.0, 1.2, 0.8, 0.8, 1.2, 0.0, 0.4, -0.8, 1.2,
+        -1.2, 0.8, -0.4, 0.0,
+    ],
+    &[
+        -0.3, -1.3, 0.3, -1.3, 0.3, -0.3, 1.3, -0.3, 1.3, 0.3, 0.3, 0.3, 0.3, 1.3, -0.3, 1.3, -0.3, 0.3, -1.3, 0.3,
+        -1.3, -0.3, -0.3, -0.3,
+    ],
+    &[
+        0.0, -1.4, 0.35, -0.45, 1.33, -0.43, 0.55, 0.17, 0.82, 1.13, 0.0, 0.56, -0.82, 1.13, -0.55, 0.17, -1.33, -0.43,
+        -0.35, -0.45,
+    ],
+];
+
+/// Colour, dashes and marker.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pen {
+    pub colour: Colour,
+    pub dashes: &'static str,
+    pub marker: Marker,
+}
+
+impl Pen {
+    /// One of eight by number; more begin again with darker colours and other dashes, and then with
+    /// paler ones.
+    pub fn numbered(number: usize) -> Self {
+        let (place, round) = (number % PALETTE.len(), number / PALETTE.len());
+        let colour = match round % 3 {
+            0 => PALETTE[place],
+            1 => PALETTE[place].darker(),
+            _ => PALETTE[place].paler(),
+        };
+        let turned = (place + 3 * round) % PALETTE.len();
+        Self { colour, dashes: DASHES[turned], marker: Marker(turned) }
+    }
+
+    pub fn with_opacity(self, opacity: f64) -> Colour {
+        self.colour.with_opacity(opacity)
+    }
+}
+
+/// A whole line of that colour.
+impl From<Colour> for Pen {
+    fn from(colour: Colour) -> Self {
+        Self { colour, dashes: "", marker: Marker::CIRCLE }
+    }
+}
+
+impl Marker {
+    pub const CIRCLE: Self = Self(0);
+    pub const DOWN: Self = Self(4);
+
+    /// Corners around the middle.
+    pub fn outline(self) -> impl Iterator<Item = (f64, f64)> {
+        OUTLINES[self.0].chunks_exact(2).map(|corner| (corner[0], corner[1]))
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::pen::Pen;
+    use super::super::colour::Pen;
     use super::*;
 
     type CieLab = [f64; 3];

@@ -1,12 +1,10 @@
 //! What stands above a chart: caption and notes, wrapped where they are long, and the legend beside
 //! or below them.
 
-use super::colour::{Colour, INK, QUIET};
-use super::pen::{DASHED, Pen};
+use super::colour::{Colour, DASHED, INK, Pen, QUIET};
 use super::svg::{Anchor, Rect, Svg};
 use super::trace::TraceStyle;
-use super::type_face::Weight;
-use super::words::{ended, listed, shortened, width};
+use super::words::{Weight, ended, listed, shortened, width};
 
 const CAPTION: f64 = 8.0;
 pub const TEXT: f64 = 7.0;

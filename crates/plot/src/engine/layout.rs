@@ -3,14 +3,14 @@
 
 use super::axis::Scale;
 use super::chart::{Chart, ChartFrame, Shading, Shown};
+use super::colour::{Marker, Pen};
 use super::head::{ChartHead, LegendEntry, LegendSample, TEXT};
-use super::line_ends::{END_GAP, LineEnd};
-use super::pen::{Marker, Pen};
 use super::scaled::ScaledAxis;
 use super::svg::{MM, Rect, Svg};
-use super::trace::{Trace, TraceStyle};
-pub use super::type_face::LABEL;
+use super::trace::{END_GAP, LineEnd, Trace, TraceStyle};
+pub use super::words::LABEL;
 use super::words::{self, two_lines, width};
+use recording::text::count;
 
 /// At the edges of the page.
 pub const EDGE: f64 = 4.0;
@@ -174,11 +174,8 @@ impl<'c> ChartLayout<'c> {
         if cut {
             notes.push("error bars end at the edge".to_owned());
         }
-        match self.chart.lost() {
-            0 => {}
-            1 => notes.push("1 value at or below zero left out".to_owned()),
-            lost => notes.push(format!("{lost} values at or below zero left out")),
-        }
+        let lost = Some(self.chart.lost()).filter(|lost| *lost > 0);
+        notes.extend(lost.map(|lost| format!("{} at or below zero left out", count(lost, "value"))));
         notes.retain(|note| !note.is_empty());
         notes
     }
@@ -226,7 +223,7 @@ impl<'c> ChartLayout<'c> {
         let mut pen = trace.pen.unwrap_or(Pen::numbered(i));
         // A single one needs no sign of its own.
         if self.chart.traces.iter().filter(|trace| trace.is_dotted()).count() == 1 {
-            pen.marker = Marker::Circle;
+            pen.marker = Marker::CIRCLE;
         }
         if self.chart.traces.iter().filter(|trace| trace.style == TraceStyle::Line).count() == 1 {
             pen.dashes = "";

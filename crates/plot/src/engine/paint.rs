@@ -2,16 +2,13 @@
 //! (`paint_axes.rs`).
 
 use super::chart::{ChartFrame, Shading};
-use super::colour::{ALARM, Colour, INK, PAPER, QUIET};
+use super::colour::{ALARM, Colour, DASHED, INK, PAPER, Pen, QUIET};
 use super::layout::{ChartLayout, LABEL, LABEL_GAP, SHADING_LABEL};
-use super::line_ends::END_GAP;
 use super::paint_axes::GRID_LINE;
-use super::pen::{DASHED, Pen};
 use super::reduce::{Bin, columns};
 use super::svg::{Anchor, Rect, Svg};
-use super::trace::{CURVE, Trace, TraceStyle};
-use super::type_face::Weight;
-use super::words::{ended, width};
+use super::trace::{CURVE, END_GAP, Trace, TraceStyle};
+use super::words::{Weight, ended, width};
 
 /// Above it, a line's points are reduced to about one a pixel.
 const POINTS: usize = 1500;

@@ -1,10 +1,9 @@
 //! Paints the axes of a chart: grid, labels, titles, zero and limits.
 
 use super::axis::power_of_ten;
-use super::colour::{FAINT, GRID, INK, QUIET};
+use super::colour::{DASHED, FAINT, GRID, INK, QUIET};
 use super::head::TEXT;
 use super::layout::{AXIS_TITLE_LINE, ChartLayout, LABEL, LABEL_GAP};
-use super::pen::DASHED;
 use super::svg::{Anchor, Rect, Svg};
 use super::words::{brief, width};
 

@@ -5,8 +5,7 @@
 //! shown = (value − base) / 10^exponent
 //! ```
 
-use super::axis::{Axis, Scale};
-use super::extent::extent;
+use super::axis::{Axis, Scale, extent};
 use super::words;
 
 /// Values that change by less than this share of themselves are taken for constant.

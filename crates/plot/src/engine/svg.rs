@@ -3,9 +3,8 @@
 
 use std::fmt::Write as _;
 
-use super::colour::{Colour, PAPER};
-use super::pen::{Marker, Pen};
-use super::type_face::Weight;
+use super::colour::{Colour, Marker, PAPER, Pen};
+use super::words::Weight;
 use recording::text::markup;
 
 /// Points in a millimetre.
@@ -105,12 +104,12 @@ impl Svg {
 
     /// The marker of a pen.
     pub fn marker(&mut self, (x, y): (f64, f64), radius: f64, pen: Pen) {
-        if pen.marker == Marker::Circle {
+        if pen.marker == Marker::CIRCLE {
             let ([x, y, radius], colour) = ([x, y, radius].map(points), paint("fill", pen.colour));
             let _ = writeln!(self.elements, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"{colour}/>");
             return;
         }
-        let outline: Vec<_> = pen.marker.outline().iter().map(|(dx, dy)| (x + radius * dx, y + radius * dy)).collect();
+        let outline: Vec<_> = pen.marker.outline().map(|(dx, dy)| (x + radius * dx, y + radius * dy)).collect();
         self.polygon(&outline, pen.colour);
     }
 

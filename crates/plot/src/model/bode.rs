@@ -8,8 +8,7 @@ use std::f64::consts::{PI, TAU};
 
 use dr_core::model::mesh;
 
-use super::band::{NO_BAND, band, log_band};
-use super::naming::{CURVES, gain_unit, label, left_out, of};
+use super::curves::{CURVES, NO_BAND, band, gain_unit, label, left_out, log_band, of};
 use crate::engine::axis::Scale;
 use crate::engine::chart::Chart;
 use crate::engine::trace::Trace;

@@ -5,11 +5,11 @@ use std::path::Path;
 
 use super::bode::bode;
 use super::fit::{FitSeries, whiteness};
-use super::spectrum::{impedances, spectrum};
-use super::structure::structure;
+use super::spectrum::{impedances, spectrum, structure};
 use crate::engine::chart::{Chart, Figure};
 use crate::engine::words::brief;
 use diffusive::model::{Model, ModelOutput, Structure};
+use recording::text::count;
 
 /// Outputs that get charts of their own.
 const OUTPUTS: usize = 6;
@@ -111,8 +111,7 @@ fn subtitle(model: &Model, fits: usize) -> String {
     parts.extend((fits > OUTPUTS).then(|| format!("fits of the first {OUTPUTS} of {fits} outputs")));
     let warnings = match model.warnings.len() {
         0 => String::new(),
-        1 => " (1 warning in the model)".to_owned(),
-        count => format!(" ({count} warnings in the model)"),
+        warnings => format!(" ({} in the model)", count(warnings, "warning")),
     };
     parts.extend((!model.supported).then(|| format!("not supported by its record{warnings}")));
     parts.join("  ·  ")

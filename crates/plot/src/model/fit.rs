@@ -9,7 +9,7 @@
 //! d is the offset's drift as the rows before tell it, 0 where the offset stands. What slow
 //! resistances take too much it lacks: its band is that of both.
 
-use super::band::band_within;
+use super::curves::band_within;
 use crate::engine::axis::Scale;
 use crate::engine::chart::Chart;
 use crate::engine::colour::INK;

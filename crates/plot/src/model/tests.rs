@@ -2,8 +2,7 @@
 
 use super::*;
 use crate::{Chart, Figure, Scale, Trace};
-use diffusive::model::testing;
-use diffusive::model::{Model, Whiteness};
+use diffusive::model::{Model, Whiteness, testing};
 use std::path::Path;
 
 fn texts(svg: &str) -> Vec<&str> {

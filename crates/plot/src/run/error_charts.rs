@@ -8,10 +8,9 @@
 //! | by wind | the same errors of each wind's mean over its true speed and azimuth, where a recording has so many winds that time says nothing |
 
 use super::wind_error::WindBesideTruth;
-use crate::engine::axis::Scale;
+use crate::engine::axis::{Scale, extent_of_most};
 use crate::engine::chart::Chart;
 use crate::engine::colour::{ESTIMATE, INK, QUIET};
-use crate::engine::extent::extent_of_most;
 use crate::engine::reduce::{BINS, Bin, bins};
 use crate::engine::trace::Trace;
 use crate::engine::words::brief;

@@ -6,17 +6,15 @@
 //! hundred kilobytes in which a single odd tick can still be seen. Charts for which the recording
 //! has no columns are left out.
 
-use super::columns::{VectorColumns, stretches};
-use super::set_points::SetPoint;
+use super::columns::{SetPoint, VectorColumns, stretches};
 use super::wind::WindEstimates;
+use crate::engine::axis::extent;
 use crate::engine::chart::{Chart, ChartFrame, Figure, Shading};
-use crate::engine::colour::{Colour, INK, PALETTE, REFERENCE, STRETCHES};
-use crate::engine::extent::extent;
-use crate::engine::pen::Pen;
+use crate::engine::colour::{Colour, INK, PALETTE, Pen, REFERENCE, STRETCHES};
 use crate::engine::reduce::{BINS, Bin, MeanPower, bins, mean_power};
 use crate::engine::trace::Trace;
 use crate::engine::words::{brief, power_unit};
-use crate::error::PlotError;
+use crate::picture::PlotError;
 use anemometry::vector::length;
 use recording::text::count;
 use recording::{HEATER, POWER, Recording, STATE, TRUE_WIND};
@@ -188,21 +186,34 @@ impl<'r> RunCharts<'r> {
     }
 
     fn powers(&self) -> Option<Chart> {
-        let power = |name| mean_power(self.time_s, self.numbers(POWER, name)?, BINS);
-        let powers: Vec<(&str, Pen, MeanPower)> =
-            self.elements.iter().filter_map(|&(name, pen)| Some((name, pen, power(name)?))).collect();
-        let all = powers.iter().flat_map(|(_, _, mean)| &mean.power_w).copied();
-        let (least, greatest) = extent(all.chain([0.0]))?;
-        let (factor, unit) = power_unit(greatest.max(-least));
+        self.decimated(POWER, self.elements.iter().copied(), |least_w, greatest_w| {
+            let (factor, unit) = power_unit(greatest_w.max(-least_w));
+            (Chart::new("Heating power", unit).height(34.0), factor)
+        })
+    }
+
+    /// Columns decimated to what a picture shows. `chart` makes the chart from the least and the
+    /// greatest value, and returns the factor of all values.
+    pub fn decimated<'n>(
+        &self,
+        prefix: &str,
+        names: impl Iterator<Item = (&'n str, Pen)>,
+        chart: impl FnOnce(f64, f64) -> (Chart, f64),
+    ) -> Option<Chart> {
+        let mean = |(name, pen)| Some((name, pen, mean_power(self.time_s, self.numbers(prefix, name)?, BINS)?));
+        let means: Vec<(&str, Pen, MeanPower)> = names.filter_map(mean).collect();
         let step_s = (self.time_s.last()? - self.time_s.first()?) / (self.time_s.len().max(2) - 1) as f64;
-        let window_s = f64::from(powers.first()?.2.ratio) * step_s;
+        let window_s = f64::from(means.first()?.2.ratio) * step_s;
+        let all = means.iter().flat_map(|(.., mean)| &mean.power_w).copied();
+        let (least, greatest) = extent(all.chain([0.0]))?;
+        let (chart, factor) = chart(least, greatest);
         let line = |(name, pen, mean): (&str, Pen, MeanPower)| {
-            let power = mean.power_w.into_iter().map(|power_w| power_w * factor);
-            Trace::line(name, mean.time_s.into_iter().zip(power).collect()).painted(pen)
+            let values = mean.power_w.into_iter().map(|value| value * factor);
+            Trace::line(name, mean.time_s.into_iter().zip(values).collect()).painted(pen)
         };
-        let chart = Chart::new("Heating power", unit).height(34.0).range(least * factor, greatest * factor);
+        let chart = chart.range(least * factor, greatest * factor);
         let chart = chart.note(format!("decimated to one value in {} s", brief(window_s)));
-        Some(chart.first_on_top(powers.into_iter().map(line)))
+        Some(chart.first_on_top(means.into_iter().map(line)))
     }
 
     /// A row an element: the share of ticks at the high level over the whole run, and every single

@@ -1,14 +1,17 @@
-//! Charts of a run's temperatures, and of how well its loops hold them.
+//! Charts of a run's temperatures and of how well its loops hold them; of a MEMS capacitor its
+//! voltage shift, mean symbol, and offset of the capacitance.
 
 use super::figure::RunCharts;
+use crate::engine::axis::extent;
 use crate::engine::chart::Chart;
-use crate::engine::colour::{GAS, QUIET};
-use crate::engine::extent::extent;
-use crate::engine::pen::Pen;
+use crate::engine::colour::{GAS, PALETTE, Pen, QUIET, TRUTH};
 use crate::engine::reduce::{Bin, reach};
 use crate::engine::trace::{CURVE, Trace};
 use crate::engine::words::brief;
-use recording::{GAS_TEMPERATURE, TEMPERATURE};
+use recording::{
+    GAS_TEMPERATURE, OFFSET_CAPACITANCE, SYMBOL, TEMPERATURE, TRUE_OFFSET_CAPACITANCE, TRUE_VOLTAGE_SHIFT,
+    VOLTAGE_SHIFT,
+};
 
 /// Dashed lines of set-points; more of them would be all that is seen.
 const MOST_SET_POINTS: usize = 40;
@@ -104,5 +107,38 @@ impl RunCharts<'_> {
         let lines = deviations.into_iter().map(|(pen, bins)| Trace::bins("", bins).painted(pen).width(0.7).band(0.0));
         let chart = Chart::new("Off the set-point", "mK").note("means, and what all of them reach over");
         Some(chart.height(20.0).range(-most, most).first_on_top(lines.chain([all])))
+    }
+}
+
+/// Picofarad a farad.
+const PF_PER_F: f64 = 1e12;
+
+impl RunCharts<'_> {
+    /// Nothing for a recording without voltage shifts.
+    pub fn charge(&self) -> Vec<Chart> {
+        let devices: Vec<&str> = self.recording.behind(VOLTAGE_SHIFT).collect();
+        let shift =
+            self.over_truth(&devices, Chart::new("Voltage shift", "V"), [VOLTAGE_SHIFT, TRUE_VOLTAGE_SHIFT], 1.0);
+        let offset = Chart::new("Offset of the capacitance", "pF");
+        let offset = self.over_truth(&devices, offset, [OFFSET_CAPACITANCE, TRUE_OFFSET_CAPACITANCE], PF_PER_F);
+        let pens = devices.iter().copied().zip(PALETTE.into_iter().map(Pen::from).cycle());
+        let symbols = self.decimated(SYMBOL, pens, |_, _| (Chart::new("Mean symbol", "").height(25.0), 1.0));
+        [shift, symbols, offset].into_iter().flatten().collect()
+    }
+
+    /// A quantity of every device over what is true of it, wide and pale.
+    fn over_truth(&self, devices: &[&str], chart: Chart, [measured, truth]: [&str; 2], factor: f64) -> Option<Chart> {
+        let bins = |prefix: &str, device: &str| {
+            let values = self.numbers(prefix, device)?;
+            Some(self.bins(|row| values[row] * factor))
+        };
+        let lines = devices.iter().zip(PALETTE.iter().cycle());
+        let lines = lines.filter_map(|(device, colour)| {
+            Some(Trace::bins(*device, bins(measured, device)?).painted(*colour).band(0.15))
+        });
+        let lines: Vec<Trace> = lines.collect();
+        let truths = devices.iter().filter_map(|device| Some(Trace::pale("true", bins(truth, device)?, TRUTH)));
+        let has_any = lines.iter().any(|line| line.bins.iter().any(|bin| bin.mean.is_finite()));
+        has_any.then(|| chart.height(34.0).first_on_top(lines.into_iter().chain(truths)))
     }
 }

@@ -14,16 +14,13 @@
 
 use dr_core::wind::QualityFlags;
 
-use super::azimuth;
-use super::columns::{VectorColumns, stretches};
-use super::counted::counted;
+use super::columns::{VectorColumns, counted, stretches};
 use super::error_charts::{over_time, summary, sweep};
-use super::quantity::Quantity;
+use super::quantity::{Quantity, azimuths};
 use super::wind_error::{Comparison, WindBesideTruth, by_wind};
+use crate::engine::axis::{extent, extent_of_most};
 use crate::engine::chart::{Chart, Shading};
-use crate::engine::colour::{ALARM, Colour, INK, PALETTE, QUIET, TRUTH};
-use crate::engine::extent::{extent, extent_of_most};
-use crate::engine::pen::Pen;
+use crate::engine::colour::{ALARM, Colour, INK, PALETTE, Pen, QUIET, TRUTH};
 use crate::engine::reduce::{BINS, Bin, bins};
 use crate::engine::trace::Trace;
 use anemometry::vector::{dot, length};
@@ -237,9 +234,9 @@ impl<'r> WindEstimates<'r> {
         let frame = |wind: Option<[f64; 3]>| wind.map(|wind| self.comparison.in_frame(wind));
         let truth = |i: usize| frame(self.true_wind(self.rows[i]));
         Quantity {
-            estimate: azimuth::azimuths(&self.times_s, |i| frame(self.estimated(self.rows[i])), BINS),
+            estimate: azimuths(&self.times_s, |i| frame(self.estimated(self.rows[i])), BINS),
             uncertainty,
-            truth: self.truth.map(|_| azimuth::azimuths(&self.times_s, truth, BINS)),
+            truth: self.truth.map(|_| azimuths(&self.times_s, truth, BINS)),
         }
     }
 

@@ -9,7 +9,7 @@ use dr_core::wind::HeadForm;
 use recording::Recording;
 use recording::wind::PLANE_NORMAL;
 
-use super::set_points::number;
+use super::columns::number;
 
 /// Slower winds have no direction, and no relative error, m/s.
 const SLOWEST_M_S: f64 = 0.3;

@@ -4,24 +4,21 @@
 //! again, and a new attempt after a second, later after up to half a minute. What it missed in
 //! between is in the recording.
 
-mod context;
 mod mqtt;
 mod scpi;
 mod scpi_session;
 mod text;
-#[cfg(feature = "tls")]
-mod tls;
 
-pub use context::{PublishContext, PublishError};
-
-use crate::feed::{Feed, FeedItem, FeedReader, FeedRow, FeedWind};
-use crate::target::{PublishFormat, PublishTarget};
-use context::Output;
-use std::io;
+use std::io::{self, Read, Write};
 use std::sync::Arc;
 use std::sync::mpsc::RecvTimeoutError;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
+
+use crate::commands::FeedCommands;
+use crate::feed::{Feed, FeedEvent, FeedItem, FeedLayout, FeedReader, FeedRow, FeedWind};
+use crate::listen::{ListenError, Listening};
+use crate::target::{PublishFormat, PublishTarget};
 
 /// From one call of `turn` to the next.
 const TURN: Duration = Duration::from_millis(50);
@@ -71,7 +68,7 @@ impl Publishing {
 /// The thread of an output.
 struct Publisher {
     target: PublishTarget,
-    layout: crate::feed::FeedLayout,
+    layout: FeedLayout,
     context: PublishContext,
     output: Option<Box<dyn Output>>,
     try_at: Instant,
@@ -83,7 +80,7 @@ struct Publisher {
 }
 
 impl Publisher {
-    fn new(target: PublishTarget, layout: crate::feed::FeedLayout, context: PublishContext) -> Self {
+    fn new(target: PublishTarget, layout: FeedLayout, context: PublishContext) -> Self {
         let rate = RowRate::new(target.every_s, layout.sample_period_s);
         Self { target, layout, context, output: None, try_at: Instant::now(), failures: 0, rate, is_slow: false }
     }
@@ -202,6 +199,54 @@ impl RowRate {
         })
     }
 }
+
+/// What outputs need besides the feed.
+#[derive(Clone)]
+pub struct PublishContext {
+    /// What listeners may bind to.
+    pub listening: Listening,
+    /// Where commands go to; without, every command is refused.
+    pub commands: Option<FeedCommands>,
+    /// Takes sentences for the user.
+    pub report: Arc<dyn Fn(&str) + Send + Sync>,
+}
+
+/// Why an output does not work.
+#[derive(Debug, thiserror::Error)]
+pub enum PublishError {
+    /// It cannot listen.
+    #[error(transparent)]
+    Listen(#[from] ListenError),
+    /// It cannot be reached, or is no more.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    /// It was reached and refuses.
+    #[error("{0}")]
+    Refused(String),
+}
+
+/// One way out, open.
+pub(super) trait Output: Send {
+    /// Sends a row.
+    fn row(&mut self, row: &Arc<FeedRow>) -> Result<(), PublishError>;
+
+    /// Sends an event.
+    fn event(&mut self, _event: &FeedEvent) -> Result<(), PublishError> {
+        Ok(())
+    }
+
+    /// What is to be done several times a second, whether there is a row or not.
+    fn turn(&mut self) -> Result<(), PublishError> {
+        Ok(())
+    }
+
+    /// Says good-bye.
+    fn end(&mut self) {}
+}
+
+/// A stream to a broker, encrypted or not.
+pub(super) trait BrokerStream: Read + Write + Send {}
+impl<T: Read + Write + Send> BrokerStream for T {}
 
 #[cfg(test)]
 mod tests {

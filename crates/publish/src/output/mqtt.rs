@@ -3,8 +3,8 @@
 //! `mqttbytes` has the packets; the connection is one blocking stream, since there is nothing to
 //! wait for beside it. A client with a runtime of its own would bring 28 packages for that.
 
-use super::context::{BrokerStream, Output, PublishError};
 use super::text::{TIMEOUT, resolved};
+use super::{BrokerStream, Output, PublishError};
 use crate::feed::{FeedEvent, FeedLayout, FeedRow};
 use crate::format::FeedColumns;
 use crate::format::home_assistant::{self, MqttTopics};
@@ -54,14 +54,30 @@ pub(super) fn open(target: &PublishTarget, layout: &FeedLayout) -> Result<Box<dy
     Ok(Box::new(output))
 }
 
+/// A stream to the broker `host`, whose certificate one of the authorities in `ca_file` has signed,
+/// by the feature `tls`: rustls with ring, 23 packages.
 #[cfg(feature = "tls")]
 fn encrypted(host: &str, socket: TcpStream, target: &PublishTarget) -> Result<Box<dyn BrokerStream>, PublishError> {
-    super::tls::to_broker(host, socket, target.ca_file.as_deref())
+    use rustls::pki_types::pem::PemObject;
+    use rustls::pki_types::{CertificateDer, ServerName};
+    use rustls::{ClientConfig, ClientConnection, RootCertStore, StreamOwned};
+    let refuse = |sentence: String| PublishError::Refused(sentence);
+    let missing = || refuse("a `ca_file` belongs to it, in a file of addresses".to_owned());
+    let ca_file = target.ca_file.as_deref().ok_or_else(missing)?;
+    let in_file = |error: &dyn std::fmt::Display| refuse(format!("{}: {error}", ca_file.display()));
+    let mut roots = RootCertStore::empty();
+    for certificate in CertificateDer::pem_file_iter(ca_file).map_err(|error| in_file(&error))? {
+        roots.add(certificate.map_err(|error| in_file(&error))?).map_err(|error| in_file(&error))?;
+    }
+    let name = ServerName::try_from(host.to_owned()).map_err(|error| refuse(format!("{host}: {error}")))?;
+    let config = ClientConfig::builder().with_root_certificates(roots).with_no_client_auth();
+    let connection = ClientConnection::new(Arc::new(config), name).map_err(|error| refuse(error.to_string()))?;
+    Ok(Box::new(StreamOwned::new(connection, socket)))
 }
 
 #[cfg(not(feature = "tls"))]
 fn encrypted(_: &str, _: TcpStream, _: &PublishTarget) -> Result<Box<dyn BrokerStream>, PublishError> {
-    Err(PublishError::no_tls())
+    Err(PublishError::Refused("this program was built without the feature `tls`".to_owned()))
 }
 
 impl MqttOutput {

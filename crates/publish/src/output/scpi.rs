@@ -1,15 +1,14 @@
 //! SCPI by TCP: a thread a connection, since the answer to a command may take seconds.
 
-use super::context::{Output, PublishContext, PublishError};
 use super::scpi_session::{ScpiInstrument, ScpiLatest, ScpiSession};
-use super::text;
-use crate::feed::{FeedLayout, FeedRow};
+use super::{Output, PublishContext, PublishError, text};
+use crate::feed::{FeedLayout, FeedRow, lock};
 use crate::listen::Listener;
 use crate::target::{PublishTarget, PublishWay};
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::sync::{Arc, Mutex, Weak};
 use std::time::Duration;
 
 /// Who connects beyond them is disconnected.
@@ -46,7 +45,7 @@ pub(super) fn open(
 
 impl Output for ScpiOutput {
     fn row(&mut self, row: &Arc<FeedRow>) -> Result<(), PublishError> {
-        let mut latest = self.instrument.latest.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut latest = lock(&self.instrument.latest);
         if row.wind.is_some() {
             latest.wind.clone_from(&row.wind);
         }

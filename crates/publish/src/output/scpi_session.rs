@@ -17,10 +17,10 @@
 //! weighed: it depends on releases of `lexical-core` with known unsoundness.
 
 use crate::commands::{FeedCommand, FeedCommands};
-use crate::feed::{FeedLayout, FeedRow, FeedWind};
+use crate::feed::{FeedLayout, FeedRow, FeedWind, lock};
 use crate::listen::Token;
 use std::collections::VecDeque;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 /// What sessions show, and whom they ask.
@@ -48,6 +48,20 @@ pub(super) struct ScpiSession {
 /// Number and text of an error, those of SCPI-99 where it has one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct ScpiError(i16, String);
+
+type CommandOf = fn(&str) -> Result<FeedCommand, ScpiError>;
+
+/// Commands by their headers, each made of its parameters.
+const COMMANDS: [(&str, CommandOf); 8] = [
+    ("INITiate", |_| Ok(FeedCommand::Start)),
+    ("ABORt", |_| Ok(FeedCommand::Stop)),
+    ("OUTPut:ARM", |_| Ok(FeedCommand::Arm)),
+    ("OUTPut:PROTection:CLEar", |_| Ok(FeedCommand::Acknowledge)),
+    ("CALibration:TEST", |_| Ok(FeedCommand::SelfTest)),
+    ("SYSTem:MARK", |text| Ok(FeedCommand::Mark { text: quoted(text)?.to_owned() })),
+    ("SOURce:TEMPerature", set_point),
+    ("SOURce:PRESsure", |pressure| Ok(FeedCommand::Pressure { pressure_pa: decimal(pressure)? })),
+];
 
 /// Errors that wait; the last one then says that there were more.
 const MOST_ERRORS: usize = 16;
@@ -86,36 +100,20 @@ impl ScpiSession {
             }
             return query(header, instrument).map(Some).ok_or_else(undefined);
         }
-        let text = || quoted(parameters).map(str::to_owned);
         if is("*CLS") {
             self.errors.clear();
             return Ok(None);
         } else if is("SYSTem:PASSword") {
-            self.is_allowed = instrument.token.is(&text()?);
+            self.is_allowed = instrument.token.is(quoted(parameters)?);
             return if self.is_allowed {
                 Ok(None)
             } else {
                 Err(ScpiError(-221, "Settings conflict; wrong token".to_owned()))
             };
         }
-        let command = if is("INITiate") {
-            FeedCommand::Start
-        } else if is("ABORt") {
-            FeedCommand::Stop
-        } else if is("OUTPut:ARM") {
-            FeedCommand::Arm
-        } else if is("OUTPut:PROTection:CLEar") {
-            FeedCommand::Acknowledge
-        } else if is("CALibration:TEST") {
-            FeedCommand::SelfTest
-        } else if is("SYSTem:MARK") {
-            FeedCommand::Mark { text: text()? }
-        } else if is("SOURce:TEMPerature") {
-            set_point(parameters)?
-        } else if is("SOURce:PRESsure") {
-            FeedCommand::Pressure { pressure_pa: decimal(parameters)? }
-        } else {
-            return Err(undefined());
+        let command = match COMMANDS.iter().find(|(pattern, _)| is(pattern)) {
+            Some((_, command)) => command(parameters)?,
+            None => return Err(undefined()),
         };
         if !self.is_allowed {
             return Err(ScpiError(-203, "Command protected; SYST:PASS \"<token>\" first".to_owned()));
@@ -134,7 +132,7 @@ fn undefined() -> ScpiError {
 
 /// The answer to a query; none if there is no such query.
 fn query(header: &str, instrument: &ScpiInstrument) -> Option<String> {
-    let latest = instrument.latest.lock().unwrap_or_else(PoisonError::into_inner);
+    let latest = lock(&instrument.latest);
     let layout = &instrument.layout;
     let (row, wind) = (latest.row.as_deref(), latest.wind.as_ref());
     let speed = || number(wind.filter(|wind| wind.is_valid()).map(|wind| wind.estimate.speed_m_s));
@@ -144,37 +142,35 @@ fn query(header: &str, instrument: &ScpiInstrument) -> Option<String> {
         let numbers = row.map_or(vec![f32::NAN; layout.elements.len()], |row| of(row).to_vec());
         numbers.into_iter().map(|each| number(Some(each))).collect::<Vec<_>>().join(",")
     };
-    let is = |pattern: &str| matches(header, pattern);
-    Some(if is("*IDN?") {
-        // Four fields between three commas, whatever the names are.
-        [&layout.head, &layout.id(), &layout.firmware]
+    // Four fields between three commas, whatever the names are.
+    let identity = || {
+        let fields = [&layout.head, &layout.id(), &layout.firmware];
+        fields
             .iter()
             .fold("anemo".to_owned(), |all, field| format!("{all},{}", field.replace([',', ';', '\n', '\r'], " ")))
-    } else if is("*OPC?") {
-        "1".to_owned()
-    } else if is("SYSTem:VERSion?") {
-        "1999.0".to_owned()
-    } else if is("MEASure:WIND?") {
+    };
+    let wind_and_errors = || {
         let direction_u_deg = valid.map(|estimate| estimate.direction_error_rad.to_degrees());
         [speed(), from(), number(valid.map(|estimate| estimate.speed_error_m_s)), number(direction_u_deg)].join(",")
-    } else if is("MEASure:WIND:SPEed?") {
-        speed()
-    } else if is("MEASure:WIND:DIRection?") {
-        from()
-    } else if is("MEASure:WIND:VECTor?") {
+    };
+    let vector = || {
         let vector = valid.map_or([f32::NAN; 3], |estimate| estimate.wind_m_s);
         vector.map(|each| number(Some(each))).join(",")
-    } else if is("MEASure:TEMPerature?") {
-        each(|row| &row.temperature_c)
-    } else if is("MEASure:POWer?") {
-        each(|row| &row.power_w)
-    } else if is("STATus:QUEStionable?") {
-        wind.map_or(0, |wind| wind.estimate.quality_flags.0).to_string()
-    } else if is("STATus:OPERation?") {
-        format!("\"{}\"", row.map_or("", |row| &row.state))
-    } else {
-        return None;
-    })
+    };
+    let queries: [(&str, &dyn Fn() -> String); 11] = [
+        ("*IDN?", &identity),
+        ("*OPC?", &|| "1".to_owned()),
+        ("SYSTem:VERSion?", &|| "1999.0".to_owned()),
+        ("MEASure:WIND?", &wind_and_errors),
+        ("MEASure:WIND:SPEed?", &speed),
+        ("MEASure:WIND:DIRection?", &from),
+        ("MEASure:WIND:VECTor?", &vector),
+        ("MEASure:TEMPerature?", &|| each(|row| &row.temperature_c)),
+        ("MEASure:POWer?", &|| each(|row| &row.power_w)),
+        ("STATus:QUEStionable?", &|| wind.map_or(0, |wind| wind.estimate.quality_flags.0).to_string()),
+        ("STATus:OPERation?", &|| format!("\"{}\"", row.map_or("", |row| &row.state))),
+    ];
+    queries.iter().find(|(pattern, _)| matches(header, pattern)).map(|(_, answer)| answer())
 }
 
 fn number(number: Option<f32>) -> String {

@@ -1,9 +1,9 @@
 //! Outputs of lines: a format, and what carries it: datagrams, connections that others open, a
 //! serial port.
 
-use super::context::{Output, PublishContext, PublishError};
+use super::{Output, PublishContext, PublishError};
 use crate::feed::FeedRow;
-use crate::format::{gill, nmea};
+use crate::format;
 use crate::listen::{DatagramSender, Listener, Listening};
 use crate::target::{PublishFormat, PublishTarget, PublishWay};
 use serialport::SerialPort;
@@ -26,9 +26,9 @@ pub(super) fn open(target: &PublishTarget, context: &PublishContext) -> Result<B
 impl Output for TextOutput {
     fn row(&mut self, row: &Arc<FeedRow>) -> Result<(), PublishError> {
         let line = match (self.format, &row.wind) {
-            (PublishFormat::Nmea, Some(wind)) => nmea::mwv(wind),
-            (PublishFormat::GillPolar, Some(wind)) => gill::polar(wind),
-            (PublishFormat::GillUv, Some(wind)) => gill::uv(wind),
+            (PublishFormat::Nmea, Some(wind)) => format::mwv(wind),
+            (PublishFormat::GillPolar, Some(wind)) => format::polar(wind),
+            (PublishFormat::GillUv, Some(wind)) => format::uv(wind),
             _ => return Ok(()),
         };
         self.carrier.send(&line)

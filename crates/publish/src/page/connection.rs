@@ -7,12 +7,12 @@ use std::time::{Duration, Instant};
 
 use serde_json::json;
 
-use super::assets;
-use super::http::{PageRequest, answer, answer_events};
+use super::http::{PageRequest, answer, answer_events, page_text};
 use super::message::{LayoutMessage, RowsMessage, SpectrumMessage, command, event};
 use super::spectrum::welch;
-use super::state::{PageState, WINDOWS_S, lock};
+use super::state::{PageState, WINDOWS_S};
 use crate::commands::{CommandRefusal, FeedCommands};
+use crate::feed::lock;
 use crate::listen::{Token, check_http};
 
 /// Longest time that a command waits for its answer: a tick, and repeats to a board.
@@ -51,7 +51,7 @@ impl Served {
             return answer(&mut stream, "403 Forbidden", text, refusal.to_string().as_bytes());
         }
         match (asked.method.as_str(), path.unwrap_or_default()) {
-            ("GET", "") => answer(&mut stream, "200 OK", "text/html; charset=utf-8", assets::page().as_bytes()),
+            ("GET", "") => answer(&mut stream, "200 OK", "text/html; charset=utf-8", page_text().as_bytes()),
             ("GET", "events") => self.send_events(&mut stream, &asked),
             ("POST", "command") => {
                 let (status, body) = match self.carry_out(&asked) {

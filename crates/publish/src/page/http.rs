@@ -1,7 +1,11 @@
 //! As much of HTTP/1.1 as one page needs: a request with a small body, one answer, end. Headers are
 //! parsed by `httparse`, the parser of hyper.
+//!
+//! The page is one file: its styles and scripts are put in where its text names them.
 
-use std::io::{self, ErrorKind, Read, Write};
+use std::io;
+use std::io::{ErrorKind, Read, Write};
+use std::sync::LazyLock;
 
 /// Headers and body are no longer than this, and of so many lines.
 const LONGEST: usize = 16 * 1024;
@@ -107,6 +111,26 @@ fn refuse(sentence: &str) -> io::Error {
     io::Error::new(ErrorKind::InvalidData, sentence)
 }
 
+/// Every file that the page is made of, by its name in `{{…}}`.
+const PARTS: [(&str, &str); 5] = [
+    ("uPlot.min.css", include_str!("assets/uPlot.min.css")),
+    ("page.css", include_str!("assets/page.css")),
+    ("uPlot.iife.min.js", include_str!("assets/uPlot.iife.min.js")),
+    ("charts.js", include_str!("assets/charts.js")),
+    ("page.js", include_str!("assets/page.js")),
+];
+
+static PAGE: LazyLock<String> = LazyLock::new(|| {
+    PARTS.iter().fold(include_str!("assets/page.html").to_owned(), |page, (name, text)| {
+        page.replace(&format!("{{{{{name}}}}}"), text)
+    })
+});
+
+/// The page.
+pub fn page_text() -> &'static str {
+    &PAGE
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -139,5 +163,16 @@ mod tests {
             assert!(PageRequest::read(&mut &*case).is_err(), "{:?}", String::from_utf8_lossy(case));
         }
         assert!(PageRequest::read(&mut b"GET / HTTP/1.1\r\n".chain(&*endless)).is_err());
+    }
+
+    #[test]
+    fn the_page_is_whole_and_loads_nothing() {
+        let own = page_text();
+        assert!(!own.contains("{{") || !PARTS.iter().any(|(name, _)| own.contains(&format!("{{{{{name}}}}}"))));
+        for outside in ["src=", "@import", "url(", "<link rel=\"stylesheet\"", "import("] {
+            assert!(!own.contains(outside), "{outside}");
+        }
+        // The browser would end the script there.
+        assert_eq!(own.matches("</script>").count(), 3);
     }
 }

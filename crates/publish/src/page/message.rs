@@ -4,11 +4,10 @@
 use std::time::UNIX_EPOCH;
 
 use dr_core::wind::QualityFlags;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
-use super::channels::PageChannel;
 use super::spectrum::NoiseSpectrum;
-use super::state::PageState;
+use super::state::{PageChannel, PageState};
 use super::window::Bucket;
 use crate::commands::{CommandRefusal, FeedCommand};
 use crate::feed::FeedWind;
@@ -133,37 +132,23 @@ pub struct SpectrumMessage<'a> {
     pub unit: &'a str,
 }
 
-/// A command with what it needs: `"stop"`, `{"mark": {"text": "…"}}`.
-#[derive(Debug, PartialEq, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-enum CommandMessage {
-    Arm,
-    Start,
-    Stop,
-    Acknowledge,
-    SelfTest,
-    SetPoint { element: String, temperature_c: f64 },
-    Mark { text: String },
-}
-
 /// The command of a body, and what to say when it is done.
 ///
 /// # Errors
 /// If the body is no command.
 pub fn command(body: &[u8]) -> Result<(FeedCommand, String), CommandRefusal> {
-    let message: CommandMessage =
-        serde_json::from_slice(body).map_err(|error| CommandRefusal(format!("no command: {error}")))?;
-    let (command, done) = match message {
-        CommandMessage::Arm => (FeedCommand::Arm, "Armed for 30 s: start, or heat.".to_owned()),
-        CommandMessage::Start => (FeedCommand::Start, "Started.".to_owned()),
-        CommandMessage::Stop => (FeedCommand::Stop, "Stopped: heaters are low.".to_owned()),
-        CommandMessage::Acknowledge => (FeedCommand::Acknowledge, "Acknowledged.".to_owned()),
-        CommandMessage::SelfTest => (FeedCommand::SelfTest, "Self-test begun; its findings are events.".to_owned()),
-        CommandMessage::SetPoint { element, temperature_c } => {
+    let command = serde_json::from_slice(body).map_err(|error| CommandRefusal(format!("no command: {error}")))?;
+    let done = match &command {
+        FeedCommand::Arm => "Armed for 30 s: start, or heat.",
+        FeedCommand::Start => "Started.",
+        FeedCommand::Stop => "Stopped: heaters are low.",
+        FeedCommand::Acknowledge => "Acknowledged.",
+        FeedCommand::SelfTest => "Self-test begun; its findings are events.",
+        FeedCommand::SetPoint { element, temperature_c } => {
             let done = format!("Set-point of {element}: {temperature_c} °C.");
-            (FeedCommand::SetPoint { element, temperature_c }, done)
+            return Ok((command, done));
         }
-        CommandMessage::Mark { text } => (FeedCommand::Mark { text }, "Marked.".to_owned()),
+        FeedCommand::Mark { .. } | FeedCommand::Pressure { .. } => "Marked.",
     };
-    Ok((command, done))
+    Ok((command, done.to_owned()))
 }

@@ -14,8 +14,6 @@
 //! A listener that is slow gets fewer pictures and holds nobody up. Whoever lacks the token, or
 //! asks by another name of this computer, or from another page, is refused.
 
-mod assets;
-mod channels;
 mod connection;
 mod http;
 mod message;
@@ -31,10 +29,10 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use crate::commands::FeedCommands;
-use crate::feed::{Feed, FeedReader};
+use crate::feed::{Feed, FeedReader, lock};
 use crate::listen::{ListenError, Listener, Listening};
 use connection::Served;
-use state::{PageState, lock};
+use state::PageState;
 
 /// Rows that may wait to be shown: a minute of them, at 1 kHz.
 const QUEUE: usize = 1 << 16;

@@ -1,10 +1,10 @@
-//! What the page shows: windows of time, samples for the noise, events, the latest row. One thread
-//! fills it from the feed; each listener reads what is new to it.
+//! State of the page: windows of time, samples for the noise, events, the latest row, and the list
+//! of channels that are drawn. One thread fills it from the feed; each listener reads what is new
+//! to it.
 
 use std::collections::VecDeque;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 
-use super::channels::{PageChannel, channels, values};
 use super::window::{Bucket, DecimatedWindow};
 use crate::feed::{FeedEvent, FeedEventKind, FeedItem, FeedLayout, FeedRow, FeedWind};
 
@@ -26,11 +26,6 @@ pub struct PageEvent {
     pub kind: &'static str,
     /// What happened.
     pub text: String,
-}
-
-/// What a thread that panicked has left behind is as good as before: nothing is half done.
-pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// All that is kept for listeners.
@@ -192,4 +187,72 @@ impl PageState {
     pub fn samples(&self, channel: usize) -> Vec<f32> {
         self.samples.get(channel).map(|samples| samples.iter().copied().collect()).unwrap_or_default()
     }
+}
+
+/// One number of every row.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct PageChannel {
+    /// What it is, with its unit: the beginning of the recording's column.
+    pub quantity: &'static str,
+    /// Of which element or surface; empty for the whole instrument.
+    pub of: String,
+    /// For people.
+    pub name: String,
+    /// Unit of the quantity.
+    pub unit: &'static str,
+    /// Which of the head's elements it is of, for its colour.
+    pub place: Option<usize>,
+    /// Whether its noise has a meaning.
+    pub noisy: bool,
+}
+
+/// The channels of a feed; the true wind is one where a simulation knows it.
+pub fn channels(layout: &FeedLayout, has_true_wind: bool) -> Vec<PageChannel> {
+    let of = |quantity: &'static str, word: &str, unit, noisy, names: &[String]| -> Vec<PageChannel> {
+        let channel = |of: &String| PageChannel {
+            quantity,
+            of: of.clone(),
+            name: format!("{word} {of}").trim().to_owned(),
+            unit,
+            place: layout.elements.iter().position(|element| element == of),
+            noisy,
+        };
+        names.iter().map(channel).collect()
+    };
+    let whole = [String::new()];
+    let estimates: &[String] = if layout.surfaces.is_empty() { &[] } else { &whole };
+    [
+        of("temperature_c", "temperature", "K", true, &layout.elements),
+        of("power_w", "power", "W", true, &layout.elements),
+        of("heater", "heater", "", false, &layout.elements),
+        of("conductance_w_k", "conductance", "W/K", true, &layout.surfaces),
+        of("wind_speed_m_s", "wind speed", "m/s", true, estimates),
+        of("wind_x_m_s", "wind x", "m/s", true, estimates),
+        of("wind_y_m_s", "wind y", "m/s", true, estimates),
+        of("wind_z_m_s", "wind z", "m/s", true, estimates),
+        of("true_wind_speed_m_s", "true wind speed", "m/s", false, if has_true_wind { &whole } else { &[] }),
+    ]
+    .concat()
+}
+
+/// The values of a row, in the order of [`channels`]; NaN where there is none.
+pub fn values(layout: &FeedLayout, row: &FeedRow, values: &mut Vec<f32>) {
+    let number = |list: &[f32], i: usize| list.get(i).copied().unwrap_or(f32::NAN);
+    let elements = layout.elements.len();
+    values.clear();
+    values.extend((0..elements).map(|i| number(&row.temperature_c, i)));
+    values.extend((0..elements).map(|i| number(&row.power_w, i)));
+    let bit = |i| row.heaters.checked_shr(i).map_or(f32::NAN, |bits| f32::from(bits & 1 == 1));
+    values.extend((0..elements as u32).map(bit));
+    if !layout.surfaces.is_empty() {
+        let wind: Option<&FeedWind> = row.wind.as_ref();
+        let estimate = wind.map(|wind| &wind.estimate);
+        let valid = wind.filter(|wind| wind.is_valid()).map(|wind| &wind.estimate);
+        // Zero stands for a surface that was not measured.
+        let conductance = |i| estimate.map_or(f32::NAN, |estimate| number(&estimate.conductance_w_k, i));
+        values.extend((0..layout.surfaces.len()).map(conductance).map(|w_k| if w_k == 0.0 { f32::NAN } else { w_k }));
+        values.push(valid.map_or(f32::NAN, |estimate| estimate.speed_m_s));
+        values.extend((0..3).map(|i| valid.map_or(f32::NAN, |estimate| estimate.wind_m_s[i])));
+    }
+    values.extend(row.true_wind_m_s.map(|wind| wind.iter().map(|x| x * x).sum::<f64>().sqrt() as f32));
 }

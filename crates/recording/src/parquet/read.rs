@@ -126,9 +126,6 @@ impl ChunkSource for ParquetReader {
         Ok(schema.columns().iter().map(|column| column.physical_type() == Physical::BYTE_ARRAY).collect())
     }
 
-    /// Columns have their types.
-    fn read_as_text(&mut self, _column: usize) {}
-
     fn read_as_time(&mut self, column: usize) {
         self.times.push(column);
     }

@@ -10,7 +10,7 @@
 //! | `quality_flags` | every bit that was set |
 //! | `event`, `state` | the last that was not empty |
 
-use super::owned_row::{OwnedCell, OwnedRow};
+use super::recorder::{OwnedCell, OwnedRow};
 use crate::column::{ColumnKind, RowCell};
 use crate::names::HEATER;
 

@@ -3,36 +3,31 @@
 
 mod decimated;
 mod journal;
-mod options;
-mod owned_row;
 mod recorder;
 mod recover;
 mod salvage;
 mod segments;
-mod soundness;
 mod table;
 
-use std::io::ErrorKind;
+use std::io::{self, ErrorKind};
 use std::path::Path;
 use std::time::{Duration, Instant, SystemTime};
 
 use crate::column::{ColumnKind, Metadata, RowCell, overlay};
 use crate::error::RecordingError;
-use crate::file_format::check_name;
 use crate::names::{FORMAT, TIME, UTC};
-use crate::parts::{SEGMENT_NUMBER, journal_in, journal_of};
+use crate::parts::{SEGMENT_NUMBER, check_name, journal_in, journal_of};
 use crate::row::{RecordingLayout, RecordingRow};
 use decimated::RowDecimator;
 use journal::Journal;
-use owned_row::stamped;
+use recorder::stamped;
 use recover::incomplete;
 use segments::Segments;
 use table::{TableWriter, unwritten};
 
-pub use options::{SegmentLength, SegmentLengthError, WriterOptions};
 pub use recorder::Recorder;
 pub use recover::{Recovered, recover};
-pub use segments::{RecordingSoFar, is_being_written, so_far};
+pub use segments::{RecordingSoFar, SegmentLength, SegmentLengthError, WriterOptions, is_being_written, so_far};
 
 /// A full disk is asked for room as often.
 const ROOM_EVERY: Duration = Duration::from_secs(1);
@@ -144,11 +139,6 @@ impl RecordingWriter {
         })
     }
 
-    /// What the rows consist of.
-    pub fn layout(&self) -> &RecordingLayout {
-        &self.layout
-    }
-
     /// Writes a row that has just arrived.
     ///
     /// # Errors
@@ -172,8 +162,7 @@ impl RecordingWriter {
         }
         let bytes = self.table.as_ref().map_or(0, TableWriter::bytes);
         if self.table.is_some() && self.segments.as_ref().is_some_and(|segments| segments.ends_before(time_s, bytes)) {
-            let outcome = self.close_segment(true).and_then(|()| self.begin_segment());
-            self.unless_full(outcome)?;
+            self.next_segment(true)?;
         }
         if self.table.is_none() && self.asked_for_room.elapsed() >= ROOM_EVERY {
             let outcome = self.begin_segment();
@@ -186,8 +175,7 @@ impl RecordingWriter {
             }
             match self.write(time_s, cells) {
                 Err(error) if self.options.outlasts_full_disk && error.lacks_room() && self.segments.is_some() => {
-                    let outcome = self.close_segment(false).and_then(|()| self.begin_segment());
-                    self.unless_full(outcome)?;
+                    self.next_segment(false)?;
                 }
                 outcome => return outcome,
             }
@@ -210,9 +198,7 @@ impl RecordingWriter {
             table.reserve()?;
         }
         // First of all it is kept.
-        if let Some(journal) = &mut self.journal {
-            journal.push(&mut cells()).map_err(unwritten(&journal.path))?;
-        }
+        in_journal(&mut self.journal, |journal| journal.push(&mut cells()))?;
         table.push(&mut cells())?;
         self.rows += 1;
         self.last_s = time_s;
@@ -232,6 +218,11 @@ impl RecordingWriter {
         }
     }
 
+    fn next_segment(&mut self, is_complete: bool) -> Result<(), RecordingError> {
+        let outcome = self.close_segment(is_complete).and_then(|()| self.begin_segment());
+        self.unless_full(outcome)
+    }
+
     /// Closes the segment, in the room that was reserved for that; the journal begins anew.
     fn close_segment(&mut self, is_complete: bool) -> Result<(), RecordingError> {
         let (Some(segments), Some(table)) = (&mut self.segments, self.table.take()) else { return Ok(()) };
@@ -248,10 +239,7 @@ impl RecordingWriter {
     /// The rows until now are in closed segments.
     fn restart_journal(&mut self) -> Result<(), RecordingError> {
         set_number(&mut self.metadata, self.segments.as_ref());
-        match &mut self.journal {
-            Some(journal) => journal.restart(&self.metadata).map_err(unwritten(&journal.path)),
-            None => Ok(()),
-        }
+        in_journal(&mut self.journal, |journal| journal.restart(&self.metadata))
     }
 
     /// Closes the segment that the disk had no room for, from the journal.
@@ -271,9 +259,7 @@ impl RecordingWriter {
         self.asked_for_room = Instant::now();
         self.close_waiting()?;
         let Some(segments) = &self.segments else { return Ok(()) };
-        if let Some(journal) = &mut self.journal {
-            journal.refresh(&self.metadata).map_err(unwritten(&journal.path))?;
-        }
+        in_journal(&mut self.journal, |journal| journal.refresh(&self.metadata))?;
         let mut table = TableWriter::create(&segments.path(), &self.columns, &self.metadata)?;
         if self.options.outlasts_full_disk {
             table.reserve()?;
@@ -289,15 +275,8 @@ impl RecordingWriter {
 
     /// Has the rows on the disk that have waited long enough, where there is a journal.
     fn sync_if_due(&mut self) -> Result<(), RecordingError> {
-        let outcome = match &mut self.journal {
-            Some(journal) => journal.sync_if_due().map_err(unwritten(&journal.path)),
-            None => Ok(()),
-        };
-        match outcome {
-            Err(error) if self.options.outlasts_full_disk && error.lacks_room() => {
-                let outcome = self.close_segment(false).and_then(|()| self.begin_segment());
-                self.unless_full(outcome)
-            }
+        match in_journal(&mut self.journal, Journal::sync_if_due) {
+            Err(error) if self.options.outlasts_full_disk && error.lacks_room() => self.next_segment(false),
             outcome => outcome,
         }
     }
@@ -314,11 +293,9 @@ impl RecordingWriter {
             }
             writer.finish(metadata)?;
         }
-        if let Some(journal) = &mut self.journal {
-            match journal.sync().map_err(unwritten(&journal.path)) {
-                Err(error) if self.options.outlasts_full_disk && error.lacks_room() => {}
-                outcome => outcome?,
-            }
+        match in_journal(&mut self.journal, Journal::sync) {
+            Err(error) if self.options.outlasts_full_disk && error.lacks_room() => {}
+            outcome => outcome?,
         }
         self.close_waiting()?;
         let left_out = (self.left_out > 0).then(|| ("left_out_of_full_disk".to_owned(), self.left_out.to_string()));
@@ -345,6 +322,14 @@ impl RecordingWriter {
             self.segments.iter().for_each(Segments::remove_folder);
         }
     }
+}
+
+/// Works on a journal, if there is one.
+fn in_journal(
+    journal: &mut Option<Journal>,
+    work: impl FnOnce(&mut Journal) -> io::Result<()>,
+) -> Result<(), RecordingError> {
+    journal.as_mut().map_or(Ok(()), |journal| work(journal).map_err(unwritten(&journal.path)))
 }
 
 /// Whether a recording's name is a folder's: without extension, or of one that is there. `.csv` is

@@ -1,19 +1,20 @@
 //! A writer in a thread of its own: a disk that takes its time does not keep the instrument's rows
-//! waiting.
+//! waiting. Owned rows go to the thread, or are made of many.
 
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering::Relaxed};
+use std::sync::atomic::Ordering::Relaxed;
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 use std::time::SystemTime;
 
 use super::journal::SYNC_EVERY;
-use super::owned_row::OwnedRow;
 use super::{RecordingWriter, WriterOptions};
-use crate::column::Metadata;
+use crate::column::{Metadata, RowCell};
 use crate::error::RecordingError;
 use crate::row::{RecordingLayout, RecordingRow};
+use crate::utc::seconds_of;
 
 /// Rows that may wait for the disk: a minute at 1 kHz. Then the instrument waits, too.
 const MOST_WAITING: usize = 60_000;
@@ -144,4 +145,37 @@ fn write(
             Err(RecvTimeoutError::Disconnected) => return Ok(writer),
         }
     }
+}
+
+pub(super) struct OwnedRow {
+    pub time_s: f64,
+    pub cells: Vec<OwnedCell>,
+}
+
+pub(super) enum OwnedCell {
+    Number(f64),
+    Text(Box<str>),
+}
+
+impl OwnedRow {
+    pub fn of(row: &RecordingRow, arrived: Option<SystemTime>) -> Self {
+        let owned = |cell: RowCell| match cell {
+            RowCell::Number(number) => OwnedCell::Number(number),
+            RowCell::Text(text) => OwnedCell::Text(text.into()),
+        };
+        Self { time_s: row.time_s, cells: stamped(row, arrived).map(owned).collect() }
+    }
+
+    pub fn cells(&self) -> impl Iterator<Item = RowCell<'_>> {
+        self.cells.iter().map(|cell| match cell {
+            OwnedCell::Number(number) => RowCell::Number(*number),
+            OwnedCell::Text(text) => RowCell::Text(text),
+        })
+    }
+}
+
+/// The cells of a row, with the moment at which it arrived behind its time.
+pub(super) fn stamped<'a>(row: &'a RecordingRow<'_>, arrived: Option<SystemTime>) -> impl Iterator<Item = RowCell<'a>> {
+    let mut cells = row.cells();
+    cells.next().into_iter().chain(arrived.map(|arrived| RowCell::Number(seconds_of(arrived)))).chain(cells)
 }

@@ -5,15 +5,14 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use super::journal::take_over;
-use super::salvage::Salvage;
-use super::soundness::Soundness;
+use super::salvage::{Salvage, Soundness};
 use super::table::TableWriter;
 use crate::column::{Metadata, overlay};
 use crate::error::RecordingError;
-use crate::file_format::JOURNAL;
-use crate::parts::{SEGMENT_NUMBER, journal_in, journal_of, next_number, number_of, segments_in};
+use crate::parts::{
+    JOURNAL, SEGMENT_NUMBER, journal_in, journal_of, next_number, number_of, number_of_segment, segment_in, segments_in,
+};
 use crate::reader::RecordingReader;
-use crate::segment_names::{number_of_segment, segment_in};
 use crate::temporary::{Temporary, sync_name};
 
 /// What [`recover`] has done.

@@ -3,15 +3,20 @@
 //! Only whole rows: as many fields as there are columns, and a number wherever one belongs. Where
 //! none begins, the search goes on with the next line. Whether a digit became another digit, the
 //! journal's checksums tell.
+//!
+//! Each checksum of a journal is of all bytes before it. From one right checksum to the next the
+//! bytes are sound; what stands behind the last was on its way to the disk, and nothing speaks for
+//! or against it.
 
 use std::collections::VecDeque;
 use std::fs::File;
-use std::io::{self, BufRead as _, BufReader};
+use std::io;
+use std::io::{BufRead as _, BufReader};
 use std::path::Path;
 
 use super::table::TableWriter;
 use crate::column::{ColumnKind, Metadata, RowCell};
-use crate::csv::{metadata_of, number, stated_checksum};
+use crate::csv::{checksum, metadata_of, number, stated_checksum};
 use crate::error::RecordingError;
 use crate::names::{TIME, duplicate};
 
@@ -159,4 +164,31 @@ fn cells_of<'a>(record: &'a csv::StringRecord, columns: &[(String, ColumnKind)])
         _ => number(name, field).map(RowCell::Number),
     };
     (record.len() == columns.len()).then(|| record.iter().zip(columns).map(cell).collect())?
+}
+
+pub(super) struct Soundness {
+    /// Whether what stands above the rows is as it was written; none without any checksum, as in a
+    /// journal of an earlier version.
+    pub head: Option<bool>,
+    /// Stretches between two checksums that are not.
+    pub damaged: u64,
+}
+
+impl Soundness {
+    pub fn of(journal: &Path) -> io::Result<Self> {
+        let mut file = BufReader::new(File::open(journal)?);
+        let mut found = Self { head: None, damaged: 0 };
+        let (mut sum, mut line) = (0, Vec::new());
+        while file.read_until(b'\n', &mut line)? > 0 {
+            if let Some(stated) = stated_checksum(&line) {
+                found.head.get_or_insert(stated == sum);
+                found.damaged += u64::from(stated != sum);
+                // So that one damaged stretch does not put the following in doubt.
+                sum = stated;
+            }
+            sum = checksum(sum, &line);
+            line.clear();
+        }
+        Ok(found)
+    }
 }

@@ -449,7 +449,7 @@ fn what_is_measured_says_when_it_arrived_and_how_far_the_clocks_drift() {
         let path = folder.path().join(name);
         let options = WriterOptions { has_journal: true, has_utc: true, ..WriterOptions::default() };
         let mut recorder = Recorder::create(&path, layout(), &Metadata::new(), &options).unwrap();
-        let begin = crate::utc::moment_of(1_793_000_000.5);
+        let begin = SystemTime::UNIX_EPOCH + Duration::from_secs_f64(1_793_000_000.5);
         for n in 0..300 {
             let (time_s, temperature_c) = row(n);
             recorder.push_at(&of(time_s, &temperature_c), begin + Duration::from_secs_f64(time_s)).unwrap();
