@@ -10,7 +10,8 @@ pub enum ChargeSymbol {
 }
 
 /// Voltages and times of the symbols.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SymbolShape {
     /// V₊, V.
     pub positive_v: f64,
@@ -19,6 +20,7 @@ pub struct SymbolShape {
     /// Share δ of the second part, above 0 and below 1.
     pub second_share: f64,
     /// T_s, s.
+    #[serde(skip)]
     pub symbol_time_s: f64,
 }
 

@@ -15,7 +15,6 @@
 
 mod check;
 mod read;
-mod table;
 
 use dr_core::Command;
 use dr_core::control::{Drive, GuardConfig};

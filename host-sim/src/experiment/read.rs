@@ -47,15 +47,7 @@ impl Experiment {
     fn with_head(source: TomlSource, head: Option<Head>) -> Result<Self, FileError> {
         let table: ExperimentTable = source.parse()?;
         let folder = source.path.parent().unwrap_or(Path::new(""));
-        // A file that is not there is the experiment's mistake; one that is wrong is its own.
-        let place = |key: &'static str| {
-            let source = &source;
-            move |error: FileError| match error.line {
-                None => source.refuse(key, format!("cannot be used: {error}")),
-                Some(_) => error,
-            }
-        };
-        let read = || Head::read(&folder.join(&table.head)).map_err(place("head"));
+        let read = || Head::read(&folder.join(&table.head)).map_err(|error| source.unusable("head", error));
         let mut head = head.map_or_else(read, Ok)?;
         let mut currents = Vec::with_capacity(table.currents.len());
         for (name, levels) in &table.currents {
@@ -74,7 +66,7 @@ impl Experiment {
         }
         of_one_gas(&source, &head, table.gas.species)?;
         let models = table.models.map(|path| Models::read(&folder.join(path), &head)).transpose();
-        let models = models.map_err(place("models"))?;
+        let models = models.map_err(|error| source.unusable("models", error))?;
 
         let sample_period_s = source.within("sample_period_s", table.sample_period_s, SAMPLE_PERIODS_S, "s")?;
         let grid = TickGrid::new(&source, sample_period_s, table.duration_s)?;
