@@ -34,7 +34,7 @@ pub struct RecordingLayout {
 }
 
 /// One tick.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct RecordingRow<'a> {
     /// Time, s.
     pub time_s: f64,

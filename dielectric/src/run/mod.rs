@@ -67,7 +67,7 @@ pub fn run(
         (None, Ok(()), Err(error)) => Some(DeviceEnd { why: error.to_string(), released: true }),
         (None, Ok(()), Ok(_)) => None,
     };
-    Ok(statistics.summary(experiment, hash, ended))
+    Ok(statistics.summary(hash, ended))
 }
 
 /// What the phases of an experiment amounted to in a recording of it.
@@ -81,7 +81,7 @@ pub fn phases_of(experiment: &DeviceExperiment, recording: &Recording) -> Result
     for ((&time_s, &symbol), &shift_v) in times_s.iter().zip(symbols).zip(shifts_v) {
         statistics.count(symbol as f32, shift_v as f32, time_s);
     }
-    Ok(statistics.summary(experiment, 0, None).phases)
+    Ok(statistics.summary(0, None).phases)
 }
 
 /// Brings the controller from whatever it does to running this experiment.

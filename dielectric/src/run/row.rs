@@ -1,6 +1,6 @@
 //! A symbol as a row of the recording.
 
-use dr_core::control::{RunState, Trip};
+use dr_core::control::RunState;
 use host_sim::instrument::TickSample;
 use host_sim::run::RunError;
 use recording::{
@@ -88,24 +88,14 @@ impl DeviceRow {
             RunState::Standby => "standby".to_owned(),
             RunState::Testing => "testing".to_owned(),
             RunState::Running => "running".to_owned(),
-            RunState::Tripped(trip) => trip_words(trip),
+            RunState::Tripped(trip) => format!("tripped:{}", trip.cause.name()),
         };
         sink(&RecordingRow {
             time_s: experiment.time_s(tick),
-            temperature_c: &[],
-            power_w: &[],
-            equivalent_power_w: &[],
-            heaters: 0,
             event: &experiment.phase(tick).label,
             state: &state,
-            true_wind_m_s: None,
-            gas_temperature_c: None,
             estimate: &self.numbers,
+            ..RecordingRow::default()
         })
     }
-}
-
-/// A trip in words.
-fn trip_words(trip: Trip) -> String {
-    format!("tripped:{}", trip.cause.name())
 }

@@ -10,7 +10,8 @@ use super::row::DeviceRow;
 use crate::experiment::DeviceExperiment;
 
 /// Why a run ended before its time, its rows kept.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, thiserror::Error)]
+#[error("{why}{}", if *released { "" } else { "; that the bias is 0 V is not certain: take it off by hand" })]
 pub struct DeviceEnd {
     /// A sentence.
     pub why: String,
@@ -18,18 +19,8 @@ pub struct DeviceEnd {
     pub released: bool,
 }
 
-impl fmt::Display for DeviceEnd {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.why)?;
-        if !self.released {
-            f.write_str("; that the bias is 0 V is not certain: take it off by hand")?;
-        }
-        Ok(())
-    }
-}
-
 /// What a run amounted to.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct DeviceRunSummary {
     /// Of the experiment.
     pub title: String,
@@ -93,16 +84,11 @@ pub struct PhaseSummary {
 
 /// What is added up.
 pub(super) struct DeviceStatistics {
-    firmware: String,
+    summary: DeviceRunSummary,
     symbol_time_s: f64,
-    rows: u32,
-    last_s: f64,
-    without_reading: u32,
-    trips: Vec<DeviceTrip>,
     squares: (f64, u32),
-    /// Symbols and shifts of the running phase, and what those before amounted to.
+    /// Symbols and shifts of the running phase.
     phase: PhaseRows,
-    phases: Vec<PhaseSummary>,
     starts: Vec<(f64, String, Option<f64>)>,
 }
 
@@ -120,26 +106,24 @@ impl DeviceStatistics {
             let target_v = phase.drive.target_range_c().map(|(target, _)| f64::from(target));
             (experiment.time_s(phase.tick), phase.label.clone(), target_v)
         };
-        Self {
+        let summary = DeviceRunSummary {
+            title: experiment.title.clone(),
+            device: experiment.device.name.clone(),
             firmware: firmware.to_owned(),
-            symbol_time_s: experiment.shape.symbol_time_s,
-            rows: 0,
-            last_s: 0.0,
-            without_reading: 0,
-            trips: Vec::new(),
-            squares: (0.0, 0),
-            phase: PhaseRows::default(),
-            phases: Vec::new(),
-            starts: experiment.phases.iter().map(of).collect(),
-        }
+            shift_noise_v: experiment.device.shift_noise_v(&experiment.shape),
+            ..DeviceRunSummary::default()
+        };
+        let starts = experiment.phases.iter().map(of).collect();
+        let symbol_time_s = experiment.shape.symbol_time_s;
+        Self { summary, symbol_time_s, squares: (0.0, 0), phase: PhaseRows::default(), starts }
     }
 
     pub const fn rows(&self) -> u32 {
-        self.rows
+        self.summary.ticks
     }
 
     pub fn trip(&mut self, time_s: f64, trip: Trip) {
-        self.trips.push(DeviceTrip { time_s: time_s.to_string(), cause: trip.cause.name() });
+        self.summary.trips.push(DeviceTrip { time_s: time_s.to_string(), cause: trip.cause.name() });
     }
 
     pub fn add(&mut self, row: &DeviceRow, time_s: f64) {
@@ -153,17 +137,17 @@ impl DeviceStatistics {
     /// Counts a symbol and the shift before it: where a phase begins, that one is still of the
     /// phase before.
     pub fn count(&mut self, symbol: f32, shift_v: f32, time_s: f64) {
-        self.rows += 1;
-        self.last_s = time_s;
-        self.without_reading += u32::from(shift_v.is_nan());
-        let (start_s, _, target_v) = &self.starts[self.phases.len()];
+        self.summary.ticks += 1;
+        self.summary.duration_s = time_s;
+        self.summary.without_reading += u32::from(shift_v.is_nan());
+        let (start_s, _, target_v) = &self.starts[self.summary.phases.len()];
         if let (Some(target_v), None, false) = (target_v, self.phase.reached_s, shift_v.is_nan()) {
             let error_v = f64::from(shift_v) - target_v;
             let first_v = *self.phase.first_error_v.get_or_insert(error_v);
             self.phase.reached_s = (error_v * first_v <= 0.0).then_some(time_s - start_s);
         }
         self.phase.shifts_v.push(shift_v);
-        if self.starts.get(self.phases.len() + 1).is_some_and(|(start_s, ..)| time_s >= *start_s) {
+        if self.starts.get(self.summary.phases.len() + 1).is_some_and(|(start_s, ..)| time_s >= *start_s) {
             self.close_phase();
         }
         self.phase.symbols.push(symbol);
@@ -171,13 +155,13 @@ impl DeviceStatistics {
 
     fn close_phase(&mut self) {
         let rows = std::mem::take(&mut self.phase);
-        let (start_s, label, target_v) = self.starts[self.phases.len()].clone();
+        let (start_s, label, target_v) = self.starts[self.summary.phases.len()].clone();
         let shifts_v = &rows.shifts_v[rows.shifts_v.len() / 2..];
         let shifts_v: Vec<f64> = shifts_v.iter().filter(|of| !of.is_nan()).map(|&of| of.into()).collect();
         let symbols: Vec<f64> = rows.symbols[rows.symbols.len() / 2..].iter().map(|&of| of.into()).collect();
         let mean_v = mean(&shifts_v);
         let deviation = |mean_v: f64| mean(&shifts_v.iter().map(|of| (of - mean_v).powi(2)).collect::<Vec<_>>());
-        self.phases.push(PhaseSummary {
+        self.summary.phases.push(PhaseSummary {
             start_s,
             label,
             target_v,
@@ -189,23 +173,15 @@ impl DeviceStatistics {
         });
     }
 
-    pub fn summary(mut self, experiment: &DeviceExperiment, hash: u64, ended: Option<DeviceEnd>) -> DeviceRunSummary {
+    pub fn summary(mut self, hash: u64, ended: Option<DeviceEnd>) -> DeviceRunSummary {
         self.close_phase();
         let (sum, count) = self.squares;
         DeviceRunSummary {
-            title: experiment.title.clone(),
-            device: experiment.device.name.clone(),
-            firmware: self.firmware,
-            ticks: self.rows,
-            duration_s: self.last_s,
-            without_reading: self.without_reading,
-            complete: ended.is_none() && self.trips.is_empty(),
-            trips: self.trips,
+            complete: ended.is_none() && self.summary.trips.is_empty(),
             ended,
             hash: format!("{hash:016x}"),
-            shift_noise_v: experiment.device.shift_noise_v(&experiment.shape),
             shift_rms_error_v: (count > 0).then(|| (sum / f64::from(count)).sqrt()),
-            phases: self.phases,
+            ..self.summary
         }
     }
 }

@@ -1,7 +1,5 @@
 //! Why a run did not come to its end.
 
-use std::fmt;
-
 use crate::instrument::error::InstrumentError;
 use recording::RecordingError;
 use recording::toml_file::FileError;
@@ -28,7 +26,11 @@ pub enum RunError {
 }
 
 /// Why a run ended before its time, its rows kept.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, thiserror::Error)]
+#[error(
+    "{why}{}",
+    if *stopped { "" } else { "; its `Stop` was not confirmed, so heaters may still be on: switch its supply off" }
+)]
 pub struct EarlyEnd {
     /// A sentence.
     pub why: String,
@@ -41,15 +43,5 @@ impl EarlyEnd {
     pub(super) fn not_stopped(ended: Option<Self>, error: &InstrumentError) -> Self {
         let why = ended.map_or_else(|| format!("the instrument could not be stopped: {error}"), |ended| ended.why);
         Self { why, stopped: false }
-    }
-}
-
-impl fmt::Display for EarlyEnd {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.why)?;
-        if !self.stopped {
-            f.write_str("; its `Stop` was not confirmed, so heaters may still be on: switch its supply off")?;
-        }
-        Ok(())
     }
 }
