@@ -3,8 +3,8 @@
 
 use super::error::InstrumentError;
 use super::port::InstrumentPort;
+use dr_core::Command;
 use dr_core::control::{Refusal, Trip};
-use dr_core::{Command, Reply};
 
 /// Sent before any command that heats: time enough for the next command to be repeated until it
 /// arrives.
@@ -15,14 +15,10 @@ pub const ARM: Command = Command::Arm { window_s: 30.0 };
 /// # Errors
 /// The first command that is refused; the instrument is in standby then, or tripped as it was
 /// before.
-pub fn start(instrument: &mut dyn InstrumentPort, setup: &[Command]) -> Result<Reply, InstrumentError> {
+pub fn start(instrument: &mut dyn InstrumentPort, setup: &[Command]) -> Result<(), InstrumentError> {
     configure(instrument, setup)?;
     instrument.command(ARM)?;
-    Ok(match instrument.command(Command::Start)? {
-        // It runs, but what it said got lost: that much is known here as well.
-        Reply::Done => judged(setup),
-        started @ Reply::Started { .. } => started,
-    })
+    instrument.command(Command::Start).map(drop)
 }
 
 /// Brings an instrument from whatever it does to standby, knowing this set-up.
@@ -50,22 +46,6 @@ pub fn acknowledge(instrument: &mut dyn InstrumentPort) -> Result<(), Instrument
         Ok(_) | Err(InstrumentError::Refused(Refusal::NotTripped)) => Ok(()),
         Err(error) => Err(error),
     }
-}
-
-/// How many set-points a model has judged, and how many none could.
-fn judged(setup: &[Command]) -> Reply {
-    let has_model =
-        |of: u8| setup.iter().any(|command| matches!(command, Command::Model { element, .. } if *element == of));
-    let (mut judged, mut unjudged) = (0, 0);
-    for command in setup {
-        match command {
-            Command::Drive { drive, .. } if drive.target_range_c().is_none() => {}
-            Command::Drive { element, .. } if has_model(*element) => judged += 1,
-            Command::Drive { .. } => unjudged += 1,
-            _ => {}
-        }
-    }
-    Reply::Started { judged, unjudged }
 }
 
 /// What of a head tripped, for people.

@@ -1,8 +1,8 @@
 //! Setting an instrument up for an experiment: the same steps for a rehearsal in this process and
 //! for the run itself.
 
+use dr_core::Command;
 use dr_core::control::{Drive, Refusal};
-use dr_core::{Command, Reply};
 
 use super::error::RunError;
 use super::refusal;
@@ -46,7 +46,7 @@ pub fn rehearse(experiment: &Experiment, board: Option<BoardKind>) -> Result<Set
 /// A refusal names the key of the file where the user can do something about it.
 pub fn start(experiment: &Experiment, instrument: &mut dyn InstrumentPort) -> Result<SetPointJudgement, RunError> {
     let names = experiment.head.names();
-    let reply = setup::start(instrument, &setup_of(experiment)?).map_err(|error| match &error {
+    setup::start(instrument, &setup_of(experiment)?).map_err(|error| match &error {
         InstrumentError::Refused(Refusal::Tripped(trip)) => {
             InstrumentError::Tripped { cause: trip.cause.name(), element: setup::place(*trip, &names) }.into()
         }
@@ -71,13 +71,10 @@ pub fn start(experiment: &Experiment, instrument: &mut dyn InstrumentPort) -> Re
         InstrumentError::TooManyElements { .. } => of_the_head(experiment, &error),
         _ => RunError::from(error),
     })?;
-    let Reply::Started { judged, unjudged } = reply else {
-        return Err(InstrumentError::Protocol("the run was started, but the answer does not say so".to_owned()).into());
-    };
-    let mut judgement = SetPointJudgement { judged: judged.into(), unjudged: unjudged.into() };
-    // The instrument does not know the later drives.
-    for (element, drive) in experiment.changes.iter().flat_map(|change| &change.drives) {
-        match (drive.target_range_c(), experiment.model(*element)) {
+    let mut judgement = SetPointJudgement::default();
+    let later = experiment.changes.iter().flat_map(|change| &change.drives).map(|(element, drive)| (*element, drive));
+    for (element, drive) in experiment.drives.iter().enumerate().chain(later) {
+        match (drive.target_range_c(), experiment.model(element)) {
             (None, _) => {}
             (Some(_), Some(_)) => judgement.judged += 1,
             (Some(_), None) => judgement.unjudged += 1,
