@@ -7,7 +7,7 @@ use super::drives::DriveReader;
 use super::grid::TickGrid;
 use super::models::Models;
 use super::table::{ExperimentTable, FaultTable, WindOutputTable};
-use super::{held, sweep, wind};
+use super::{sweep, wind};
 use crate::sensor::field::FieldEffects;
 use crate::sensor::{TimedFault, construction_of};
 use anemometry::gas::Species;
@@ -82,12 +82,12 @@ impl Experiment {
                     let sentence = "is given besides [[wind]] or [tunnel]: the wind comes from one of them";
                     return Err(source.refuse("sweep", sentence));
                 }
-                (None, Some(tunnel), []) => wind::entries(&grid, tunnel)?,
+                (None, Some(tunnel), []) => wind::tunnel_entries(&grid, tunnel)?,
                 (None, Some(_), _) => {
                     let sentence = "is given besides [[wind]]: the wind comes from one of them";
                     return Err(source.refuse("tunnel", sentence));
                 }
-                (None, None, tables) => held::entries(&grid, tables)?,
+                (None, None, tables) => wind::held_entries(&grid, tables)?,
             },
             field: FieldEffects {
                 surface_heat: table.surface_heat,

@@ -5,7 +5,7 @@
 //! the way leave a gap in the rows' times and are counted.
 
 use super::error::{EarlyEnd, RunError};
-use super::row::RowBuilder;
+use super::recorded::RowBuilder;
 use super::start::{change_drives, start};
 use super::statistics::RunStatistics;
 use super::summary::RunSummary;

@@ -4,7 +4,7 @@
 use dr_core::control::{Drive, RunState};
 
 use super::error::{EarlyEnd, RunError};
-use super::row::state_name;
+use super::recorded::state_name;
 use super::start::SetPointJudgement;
 use super::summary::{ElementSummary, RunSummary, TripSummary};
 use crate::experiment::Experiment;

@@ -4,14 +4,13 @@ use dr_core::Command;
 use dr_core::control::{Drive, Refusal, RunState, SelfTestFinding, Trip};
 use dr_core::wind::WindCommand;
 
-use super::acknowledge::Acknowledges;
 use super::overheat::{self, Overheat};
 use super::tick_time::TickTime;
-use super::{LogCommand, LogEvent, LogHost, LogOptions, LogRefusal, LogRequest, LogSummary};
+use super::{Acknowledges, LogCommand, LogEvent, LogHost, LogOptions, LogRefusal, LogRequest, LogSummary};
 use crate::experiment::Experiment;
 use crate::instrument::{InstrumentError, InstrumentPort, LinkReport, setup, why_it_started};
 use crate::run::error::{EarlyEnd, RunError};
-use crate::run::row::{RowBuilder, state_name};
+use crate::run::recorded::{RowBuilder, state_name};
 use crate::run::start::{change_drives, setup_of, start};
 
 /// Logs an instrument, heated by the drives of an experiment, until its host ends it.
