@@ -18,7 +18,7 @@ use dr_core::sensor::Capacitor;
 use recording::toml_file::{FileError, TomlSource};
 use serde::Deserialize;
 
-use crate::symbol::SymbolShape;
+use crate::port::SymbolShape;
 pub use carriers::{Carriers, Polarity};
 
 /// Greatest code of a reading: those of a link have 24 bit.

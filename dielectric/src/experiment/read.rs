@@ -10,8 +10,8 @@ use serde::Deserialize;
 
 use super::{DeviceExperiment, DevicePhase};
 use crate::device::Device;
+use crate::port::SymbolShape;
 use crate::simulated::SurroundingsPoint;
-use crate::symbol::SymbolShape;
 
 /// Symbols between 100 Hz and 0.1 Hz, the longest tick of a controller.
 const SYMBOL_TIMES_S: std::ops::RangeInclusive<f64> = 0.01..=10.0;

@@ -5,8 +5,8 @@ use recording::BITS;
 
 use super::locking::{ResponsePart, SymbolResponse};
 use crate::device::{Device, MemsCapacitor};
+use crate::port::{ChargeSymbol, SymbolShape};
 use crate::port::{DevicePort, PortError, SymbolReadings};
-use crate::symbol::{ChargeSymbol, SymbolShape};
 
 /// How a model takes symbols.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -8,7 +8,6 @@
 //!
 //! However a run ends, the port has had to go to 0 V before anything else is reported.
 
-mod octaves;
 mod row;
 mod summary;
 
@@ -19,14 +18,13 @@ use host_sim::instrument::{InstrumentError, LockStepController};
 use host_sim::run::RunError;
 use recording::{Recording, RecordingError, RecordingRow, SYMBOL, VOLTAGE_SHIFT, column_name};
 
-pub use octaves::{StreamOctave, octaves};
 pub use row::{layout, metadata};
-pub use summary::{DeviceEnd, DeviceRunSummary, DeviceTrip, PhaseSummary};
+pub use summary::{DeviceEnd, DeviceRunSummary, DeviceTrip, PhaseSummary, StreamOctave, octaves};
 
 use crate::device::Device;
 use crate::experiment::DeviceExperiment;
+use crate::port::ChargeSymbol;
 use crate::port::{DevicePort, PortError, SymbolReadings};
-use crate::symbol::ChargeSymbol;
 use row::DeviceRow;
 use summary::DeviceStatistics;
 

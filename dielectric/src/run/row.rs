@@ -9,8 +9,8 @@ use recording::{
 };
 
 use crate::experiment::DeviceExperiment;
+use crate::port::ChargeSymbol;
 use crate::port::{DeviceTruth, SymbolReadings};
-use crate::symbol::ChargeSymbol;
 
 /// Quantities of a device, in the order of its columns: the symbol that is held from t_n on, the
 /// voltage shift and C₀ by the readings of the symbol before t_n, and these readings.

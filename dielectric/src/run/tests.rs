@@ -3,7 +3,7 @@
 use super::*;
 use crate::port::DeviceTruth;
 use crate::port::PortError;
-use crate::symbol::SymbolShape;
+use crate::port::SymbolShape;
 use host_sim::instrument::in_process::InProcess;
 use recording::toml_file::TomlSource;
 

@@ -7,8 +7,8 @@ use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
 use crate::device::{Carriers, Device, Simulation};
+use crate::port::{ChargeSymbol, SymbolShape};
 use crate::port::{DevicePort, DeviceTruth, PortError, SymbolReadings};
-use crate::symbol::{ChargeSymbol, SymbolShape};
 
 /// A device that is computed. All times are its own: it waits for nobody.
 pub struct SimulatedDevice {
