@@ -4,15 +4,13 @@
 //! wire. Its cells have equal lengths, with whole conductances between them and half a cell (so twice
 //! the conductance) at either end.
 
-use std::ops::Range;
-
 use anemometry::gas::IdealGas;
 use anemometry::head::body::{Body, BodyLink};
 
 use super::body::{BodyParts, GasGap, Surface, ThermalBody};
 use super::convection::BodyConvection;
 use super::error::SensorError;
-use super::network::{BoundaryId, ThermalNetwork};
+use super::network::ThermalNetwork;
 
 /// The body of all tables together, in equilibrium with the gas, its rods between gas and support.
 ///
@@ -88,47 +86,24 @@ fn add_link(
             parts.gaps.push(GasGap { link, ends, area_over_width_m: *area_over_width_m });
         }
         BodyLink::Rod { from, to, cells, conductance_w_k } => {
-            let near: Vec<usize> = from.iter().map(|node| base + node).collect();
-            let far = to.map_or(FarEnd::Support(support_k), |node| FarEnd::Node(base + node));
-            let cells = base + cells.start..base + cells.end;
-            if to.is_none() {
-                parts.stem_ends.push(cells.start);
+            let (near, cells) = (from.iter().map(|node| base + node), base + cells.start..base + cells.end);
+            let cell_w_k = conductance_w_k * cells.len() as f64;
+            // The nodes share its near end; without any it is free there.
+            for node in near {
+                network.link(node, cells.start, 2.0 * cell_w_k / from.len() as f64);
             }
-            parts.supports.extend(join(network, &near, cells, &far, *conductance_w_k));
+            for cell in cells.clone().skip(1) {
+                network.link(cell - 1, cell, cell_w_k);
+            }
+            let last = cells.end - 1;
+            match to {
+                Some(node) => drop(network.link(last, base + node, 2.0 * cell_w_k)),
+                None => {
+                    parts.supports.push(network.link_to_fixed(last, 2.0 * cell_w_k, support_k));
+                    parts.stem_ends.push(cells.start);
+                }
+            }
         }
-    }
-}
-
-/// Where a rod ends.
-enum FarEnd {
-    Node(usize),
-    /// Of this temperature, K.
-    Support(f64),
-}
-
-/// Joins the cells of a rod. The nodes of `near` share its near end; without any it is free there.
-/// Returns the way into the support, if it leads there.
-fn join(
-    network: &mut ThermalNetwork,
-    near: &[usize],
-    cells: Range<usize>,
-    far: &FarEnd,
-    conductance_w_k: f64,
-) -> Option<BoundaryId> {
-    let cell_w_k = conductance_w_k * cells.len() as f64;
-    for &node in near {
-        network.link(node, cells.start, 2.0 * cell_w_k / near.len() as f64);
-    }
-    for cell in cells.clone().skip(1) {
-        network.link(cell - 1, cell, cell_w_k);
-    }
-    let last = cells.end - 1;
-    match far {
-        FarEnd::Node(node) => {
-            network.link(last, *node, 2.0 * cell_w_k);
-            None
-        }
-        FarEnd::Support(support_k) => Some(network.link_to_fixed(last, 2.0 * cell_w_k, *support_k)),
     }
 }
 
