@@ -15,8 +15,8 @@ use dr_core::Command;
 use dr_core::control::{Refusal, RunState};
 use dr_core::sensor::Reading;
 use host_sim::instrument::{InstrumentError, LockStepController};
-use host_sim::run::RunError;
-use recording::{Recording, RecordingError, RecordingRow, SYMBOL, VOLTAGE_SHIFT, column_name};
+use host_sim::run::{RowSink, RunError};
+use recording::{Recording, RecordingError, SYMBOL, VOLTAGE_SHIFT, column_name};
 
 pub use row::{layout, metadata};
 pub use summary::{DeviceEnd, DeviceRunSummary, DeviceTrip, PhaseSummary, StreamOctave, octaves};
@@ -41,7 +41,7 @@ pub fn run(
     experiment: &DeviceExperiment,
     mut controller: Box<dyn LockStepController>,
     port: &mut dyn DevicePort,
-    sink: &mut dyn FnMut(&RecordingRow) -> Result<(), RunError>,
+    sink: RowSink,
 ) -> Result<DeviceRunSummary, RunError> {
     let mut statistics = DeviceStatistics::new(experiment, &controller.identity().firmware);
     let outcome = start(experiment, controller.as_mut())
@@ -110,7 +110,7 @@ fn conduct(
     controller: &mut dyn LockStepController,
     port: &mut dyn DevicePort,
     statistics: &mut DeviceStatistics,
-    sink: &mut dyn FnMut(&RecordingRow) -> Result<(), RunError>,
+    sink: RowSink,
 ) -> Result<Option<PortError>, RunError> {
     let mut phases = experiment.phases.iter().skip(1).peekable();
     // Nothing has been applied yet.

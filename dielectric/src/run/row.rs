@@ -2,7 +2,7 @@
 
 use dr_core::control::RunState;
 use host_sim::instrument::TickSample;
-use host_sim::run::RunError;
+use host_sim::run::{RowSink, RunError};
 use recording::{
     BITS, Metadata, OFFSET_CAPACITANCE, RecordingLayout, RecordingRow, SYMBOL, SYMBOL_CAPACITANCE,
     TRUE_OFFSET_CAPACITANCE, TRUE_VOLTAGE_SHIFT, VOLTAGE_SHIFT, column_name,
@@ -78,12 +78,7 @@ impl DeviceRow {
         Self { symbol, shift_v: measured(0), state: sample.state, truth, numbers }
     }
 
-    pub fn push(
-        &self,
-        experiment: &DeviceExperiment,
-        tick: u32,
-        sink: &mut dyn FnMut(&RecordingRow) -> Result<(), RunError>,
-    ) -> Result<(), RunError> {
+    pub fn push(&self, experiment: &DeviceExperiment, tick: u32, sink: RowSink) -> Result<(), RunError> {
         let state = match self.state {
             RunState::Standby => "standby".to_owned(),
             RunState::Testing => "testing".to_owned(),

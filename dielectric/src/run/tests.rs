@@ -5,6 +5,7 @@ use crate::port::DeviceTruth;
 use crate::port::PortError;
 use crate::port::SymbolShape;
 use host_sim::instrument::in_process::InProcess;
+use recording::RecordingRow;
 use recording::toml_file::TomlSource;
 
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../experiments/mems/");

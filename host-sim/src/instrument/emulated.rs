@@ -8,7 +8,7 @@
 mod process;
 
 use super::error::InstrumentError;
-use super::link::{BoardLink, BoardStream, RetryPolicy};
+use super::link::{Aside, BoardLink, BoardStream, RetryPolicy};
 use super::observation::{LinkReport, TickReport};
 use super::port::{LockStepController, SettingsPort, granted_by};
 use super::status::why_it_started;
@@ -240,7 +240,7 @@ impl Emulated {
     /// Sends something by the host link and waits for the answer, hearing what else comes.
     fn converse<T>(
         &mut self,
-        send: impl FnOnce(&mut BoardLink<Pipe>, RetryPolicy, &mut dyn FnMut(FromBoard)) -> Result<T, InstrumentError>,
+        send: impl FnOnce(&mut BoardLink<Pipe>, RetryPolicy, Aside) -> Result<T, InstrumentError>,
     ) -> Result<T, InstrumentError> {
         let mut aside = Vec::new();
         // Nothing gets lost on the way to an emulator.

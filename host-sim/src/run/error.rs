@@ -1,9 +1,12 @@
 //! Why a run did not come to its end.
 
 use crate::instrument::error::InstrumentError;
-use recording::RecordingError;
 use recording::toml_file::FileError;
+use recording::{RecordingError, RecordingRow};
 use serde::Serialize;
+
+/// Takes the rows of a run.
+pub type RowSink<'a> = &'a mut dyn FnMut(&RecordingRow) -> Result<(), RunError>;
 
 /// Why a run did not come to its end.
 #[derive(Debug, thiserror::Error)]

@@ -21,7 +21,7 @@ pub mod summary;
 
 pub use check::CheckReport;
 pub use conduct::run;
-pub use error::{EarlyEnd, RunError};
+pub use error::{EarlyEnd, RowSink, RunError};
 pub use recorded::{layout, metadata, outcome};
 pub use start::{SetPointJudgement, change_drives, rehearse, setup_of, start};
 pub use summary::{ElementSummary, RunSummary, TripSummary};
