@@ -5,9 +5,9 @@ use std::{env, fs, path::PathBuf};
 
 fn main() {
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
-    println!("cargo:rerun-if-changed=../memory.x");
+    println!("cargo:rerun-if-changed=memory.x");
     if env::var("CARGO_CFG_TARGET_OS").as_deref() == Ok("none") {
-        fs::copy("../memory.x", out.join("memory.x")).expect("memory.x stands at the root of the workspace");
+        fs::copy("memory.x", out.join("memory.x")).expect("memory.x is in the firmware's folder");
         println!("cargo:rustc-link-search={}", out.display());
         println!("cargo:rustc-link-arg-bins=-Tdefmt.x");
     }

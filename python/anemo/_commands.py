@@ -367,7 +367,7 @@ def validate(
     Parameters
     ----------
     model
-        The model: a .json file of `anemo identify`, `merge` or `reduce`
+        The model: a .json file of `anemo identify` or `anemo model`
     record
         The record: a .parquet or .csv file
     input
@@ -550,7 +550,7 @@ def reduce(
     Parameters
     ----------
     model
-        The model: a .json file of `anemo identify`, `merge` or `reduce`
+        The model: a .json file of `anemo identify` or `anemo model`
     order
         Poles a pair, 1 to 8
         By default 8.
@@ -596,7 +596,7 @@ def export(
     Parameters
     ----------
     model
-        The model: a .json file of `anemo identify`, `merge` or `reduce`
+        The model: a .json file of `anemo identify` or `anemo model`
     as_
         
         - "foster": Resistor and capacitor of every pole, side by side and in series
@@ -664,7 +664,7 @@ def analyse(
     Parameters
     ----------
     model
-        The model: a .json file of `anemo identify`, `merge` or `reduce`
+        The model: a .json file of `anemo identify` or `anemo model`
     pair
         Pair, where the model has several: columns (power_w_a:temperature_c_b) or elements (a:b)
     element
@@ -733,7 +733,7 @@ def design(
     Parameters
     ----------
     model
-        The model: a .json file of `anemo identify`, `merge` or `reduce`
+        The model: a .json file of `anemo identify` or `anemo model`
     target
         Set-point, K above the temperature without heating (of the first wind), or a range that
         would do
@@ -810,7 +810,7 @@ def predict(
     Parameters
     ----------
     model
-        The model: a .json file of `anemo identify`, `merge` or `reduce`
+        The model: a .json file of `anemo identify` or `anemo model`
     experiment
         The experiment: a TOML file
     against

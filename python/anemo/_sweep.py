@@ -367,7 +367,7 @@ def done(plan: Plan, values: Sequence[Any], folder: Path) -> dict[str, Any]:
         warnings.simplefilter("ignore")
         for path in write(plan, values, folder):
             kept = path.with_suffix(".parquet") if plan.recordings else None
-            _, report, table = performed("run", (path,), {"--output": kept}, None if kept else "--output")
+            _, report, table = performed("run", (path,), {"--output-file": kept}, None if kept else "--output-file")
             if "ended" in report:
                 raise Error(f"ended early: {report['ended']}")
             tables.append(Table.read(kept) if kept else Table(table))

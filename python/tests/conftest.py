@@ -122,6 +122,10 @@ def slurm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
             assert time.monotonic() < deadline, said + (folder / "slurmctld.log").read_text()
             time.sleep(0.1)
         yield
+        # A node outlives its signal while it has a job.
+        deadline = time.monotonic() + 60
+        while subprocess.check_output(["squeue", "-h"]) and time.monotonic() < deadline:
+            time.sleep(0.1)
     finally:
         for name in ("slurmd-n1", "slurmd-n2", "slurmctld", "munged"):
             if (folder / f"{name}.pid").exists():

@@ -6,10 +6,9 @@ use std::time::Instant;
 
 use diffusive::identify::InitialState;
 use diffusive::identify::candidates::terms;
-use diffusive::identify::design::{BankDrive, RegressionDesign, RelaxationBank};
+use diffusive::identify::design::{BankDrive, GasSource, RegressionDesign, RelaxationBank};
 use diffusive::identify::drift;
 use diffusive::identify::folds::FOLDS;
-use diffusive::identify::gas_source::GasSource;
 use diffusive::identify::gram::Gram;
 use diffusive::identify::normal_equations::NormalEquations;
 use diffusive::identify::pass::{Passed, pass};

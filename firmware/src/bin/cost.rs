@@ -1,7 +1,7 @@
 //! What the hot paths cost: an image that calls each of them with inputs that cover its ways, for
 //! `cargo xtask cost`.
 //!
-//! A kernel is an uninlined function whose name stands in the table of `xtask/src/cost.rs`; all
+//! A kernel is an uninlined function whose name stands in the table of `tools/xtask/src/cost.rs`; all
 //! between call and return is counted. Inputs go through `black_box`, so that the compiler cannot
 //! know them. Nothing here is timed: the emulator counts, and needs no clock.
 

@@ -116,7 +116,7 @@ pub fn set(settings: &mut BTreeMap<KeyNumber, Setting>, key: &str, value: &str) 
 fn unknown(key: &str) -> SettingsError {
     if number(key).is_some_and(is_of_head) {
         return SettingsError(format!(
-            "`{key}` is not set by itself: `anemo settings set --head FILE` sets a whole head"
+            "`{key}` is not set by itself: `anemo board settings set --head FILE` sets a whole head"
         ));
     }
     SettingsError(format!("unknown key `{key}`; {}", suggest(key, PLAIN)))
@@ -151,7 +151,9 @@ fn fingerprint(settings: &BTreeMap<KeyNumber, Setting>) -> Result<Setting, Setti
         elements += 1;
     }
     if elements == 0 {
-        return Err(SettingsError("fingerprint: no head is kept: `anemo settings set --head FILE` first".to_owned()));
+        return Err(SettingsError(
+            "fingerprint: no head is kept: `anemo board settings set --head FILE` first".to_owned(),
+        ));
     }
     Ok(Setting::Command(Command::Fingerprint { resistance_ohm }))
 }

@@ -87,7 +87,7 @@ impl fmt::Display for SettingsReport {
         if self.whole {
             return Ok(());
         }
-        writeln!(f, "\n{}: bring them back with `anemo settings restore`", wire::SettingsRefusal::NotWhole)
+        writeln!(f, "\n{}: bring them back with `anemo board settings restore`", wire::SettingsRefusal::NotWhole)
     }
 }
 

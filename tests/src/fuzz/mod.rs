@@ -14,8 +14,8 @@
 //! And whatever is refused is refused in one sentence. Each target says whether it has taken
 //! anything at all.
 //!
-//! The same functions serve twice. `--test all fuzz::` gives them the corpus (`fuzz/corpus/`), a
-//! fixed number of damaged copies of it, and what libFuzzer once found (`fuzz/found/`), in a few
+//! The same functions serve twice. `--test all fuzz::` gives them the corpus (`tools/fuzz/corpus/`), a
+//! fixed number of damaged copies of it, and what libFuzzer once found (`tools/fuzz/found/`), in a few
 //! seconds; `cargo xtask fuzz` lets libFuzzer look for new inputs for as long as one likes, and
 //! keeps them there.
 
@@ -35,7 +35,7 @@ pub mod watched;
 /// One of the targets.
 #[derive(Debug, Clone, Copy)]
 pub struct Target {
-    /// The name of its corpus, and of its program in `fuzz/fuzz_targets/`.
+    /// The name of its corpus, and of its program in `tools/fuzz/fuzz_targets/`.
     pub name: &'static str,
     /// Panics if something does not hold; says whether anything was taken.
     pub run: fn(&[u8]) -> bool,

@@ -27,7 +27,7 @@ fn copies() -> usize {
 /// The inputs of a target that people put together, in the order of their names, so that the damage
 /// is the same on every computer.
 fn corpus(target: &str) -> Vec<(PathBuf, Vec<u8>)> {
-    let folder = file("fuzz/corpus").join(target);
+    let folder = file("tools/fuzz/corpus").join(target);
     let entries = std::fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
     let mut paths: Vec<PathBuf> = entries.map(|entry| entry.expect("the folder can be read").path()).collect();
     paths.sort();
@@ -37,7 +37,7 @@ fn corpus(target: &str) -> Vec<(PathBuf, Vec<u8>)> {
 
 /// Those that libFuzzer has found.
 fn found(target: &str) -> Vec<(PathBuf, Vec<u8>)> {
-    let path = file("fuzz/found").join(format!("{target}.tar.gz"));
+    let path = file("tools/fuzz/found").join(format!("{target}.tar.gz"));
     let archive = File::open(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let mut archive = tar::Archive::new(GzDecoder::new(archive));
     let entries = archive.entries().unwrap_or_else(|error| panic!("{}: {error}", path.display()));
@@ -110,12 +110,12 @@ macro_rules! short_runs {
                 let stem = |path: PathBuf| path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
                 entries.filter_map(|entry| stem(entry.ok()?.path())).collect()
             };
-            assert_eq!(all, names(&file("fuzz/fuzz_targets")));
-            assert_eq!(all, names(&file("fuzz/corpus")));
-            let archives = names(&file("fuzz/found"));
+            assert_eq!(all, names(&file("tools/fuzz/fuzz_targets")));
+            assert_eq!(all, names(&file("tools/fuzz/corpus")));
+            let archives = names(&file("tools/fuzz/found"));
             assert_eq!(all, archives.iter().map(|name| name.trim_end_matches(".tar").to_owned()).collect());
             let manifest: toml::Table =
-                std::fs::read_to_string(file("fuzz/Cargo.toml")).expect("it is there").parse().expect("it is TOML");
+                std::fs::read_to_string(file("tools/fuzz/Cargo.toml")).expect("it is there").parse().expect("it is TOML");
             let bins = manifest["bin"].as_array().expect("there are programs").iter();
             assert_eq!(all, bins.map(|bin| bin["name"].as_str().expect("a name").to_owned()).collect());
         }

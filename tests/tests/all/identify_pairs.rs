@@ -82,9 +82,9 @@ fn heads_driven_one_after_the_other_predict_all_of_them_at_once() {
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         models.push(to);
     }
-    let mut arguments = vec!["merge"];
+    let mut arguments = vec!["model", "merge"];
     arguments.extend(models.iter().map(String::as_str));
-    let (code, sentence) = desk.refused(&["merge", "0.json", "1.json", "0.json", "-o", "all.json"], &[]);
+    let (code, sentence) = desk.refused(&["model", "merge", "0.json", "1.json", "0.json", "-o", "all.json"], &[]);
     assert_eq!(code, 2);
     assert!(sentence.starts_with("0.json and 0.json both have the pair power_w_0 → temperature_c_0"), "{sentence}");
     arguments.extend(["-o", "all.json"]);

@@ -31,7 +31,7 @@ fn wait(what: &str, mut is_so: impl FnMut() -> bool) {
 }
 
 fn status(desk: &Desk) -> Value {
-    let output = desk.anemo(&["status", "mast", "--json"], &[]);
+    let output = desk.anemo(&["board", "status", "mast", "--json"], &[]);
     serde_json::from_slice(&output.stdout).unwrap_or_default()
 }
 

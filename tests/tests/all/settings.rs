@@ -243,8 +243,8 @@ fn the_command_shows_sets_puts_aside_and_brings_back() {
     let firmware = firmware();
     let elf = ("ANEMO_FIRMWARE", firmware.to_str().unwrap());
     let run = |arguments: &[&str]| {
-        let output =
-            desk.anemo(&[&["settings"], arguments, &["--on", "qemu", "--flash", "board.flash"]].concat(), &[elf]);
+        let output = desk
+            .anemo(&[&["board", "settings"], arguments, &["--on", "qemu", "--flash", "board.flash"]].concat(), &[elf]);
         (
             output.status.code().unwrap(),
             format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr)),
