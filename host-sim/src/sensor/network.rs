@@ -393,7 +393,7 @@ mod tests {
         let mut system = DMatrix::<f64>::zeros(n + 1, n + 1);
         for i in 0..n {
             for j in 0..n {
-                system[(i, j)] = -conductance[i][j] / network.capacity_j_k(i);
+                system[(i, j)] = -conductance[(i, j)] / network.capacity_j_k(i);
             }
         }
         let fixed = [0.0, 5e-4 * 220.0, 1.2e-3 * 230.0];

@@ -362,13 +362,13 @@ mod tests {
         let lock = own(&path).unwrap();
         let mut emulator = Command::new("sleep").arg("600").current_dir(&path).stdin(Stdio::null()).spawn().unwrap();
         note_emulator(&path, emulator.id()).unwrap();
-        clear();
+        clear_left_over();
         assert!(path.is_dir() && emulator.try_wait().unwrap().is_none());
         drop(lock);
         // A process that another test starts just now shares the lock until it has become its
         // program.
         for _ in 0..100 {
-            clear();
+            clear_left_over();
             if !path.exists() {
                 break;
             }

@@ -155,7 +155,6 @@ impl CooledStem {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sensor::network::{BoundaryId, ThermalNetwork};
     use anemometry::vector::angle_deg;
 
     const STEM: Stem = Stem {
