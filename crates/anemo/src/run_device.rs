@@ -77,7 +77,7 @@ fn port(instrument: &InstrumentArguments, experiment: &DeviceExperiment) -> Resu
     let settings = MeterSettings {
         frequency_hz: meter.frequency_hz,
         level_v: meter.level_v,
-        most_bias_v: experiment.device.bias_max_v,
+        most_bias_v: experiment.device.limits.bias_max_v,
         timeout_s: TIMEOUT_S,
     };
     let meter = ScpiMeter::connect(address, &settings).map_err(Failure::work)?;

@@ -13,7 +13,6 @@ pub mod port;
 pub mod predict;
 pub mod run;
 pub mod simulated;
-pub mod symbol;
 
 /// The examples name this crate as others do.
 #[cfg(test)]

@@ -28,7 +28,7 @@ pub struct FileError {
 }
 
 /// The text of a TOML file with the path under which the user knows it.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct TomlSource {
     /// The file.
     pub path: PathBuf,
@@ -73,6 +73,12 @@ impl TomlSource {
             line: self.line_of(key),
             sentence: one_line(format!("`{key}` {}", sentence.as_ref())),
         }
+    }
+
+    /// The error for a file that `key` names: this file's mistake if it cannot be read, its own if
+    /// a line of it is wrong.
+    pub fn unusable(&self, key: &str, error: FileError) -> FileError {
+        if error.line.is_some() { error } else { self.refuse(key, format!("cannot be used: {error}")) }
     }
 
     /// Passes a finite value inside the range; refuses any other, NaN included.

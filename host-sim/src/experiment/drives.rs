@@ -138,14 +138,7 @@ impl DriveReader<'_> {
                 Drive::Temperature { target_c: self.set_point(&key, target_c, &stated, element)? }
             }
             DriveTable::Prbs { order, bit_time_s, seed } => {
-                let ticks_per_bit = grid.whole_ticks(&format!("{key}.prbs.bit_time_s"), bit_time_s)?;
-                // Order and seed are dr-core's to judge; the place is known here.
-                source.within(&format!("{key}.prbs.order"), f64::from(order), 2.0..=32.0, "")?;
-                dr_core::signal::Prbs::new(order, seed).map_err(|error| {
-                    let sentence = format!("is {seed}: {error}");
-                    source.refuse(&format!("{key}.prbs.seed"), sentence.replace("`seed` ", "it "))
-                })?;
-                Drive::Prbs { order, seed, ticks_per_bit }
+                grid.prbs(&format!("{key}.prbs"), order, bit_time_s, seed)?
             }
             DriveTable::Alternation { low_c, high_c, half_s } => {
                 let key = format!("{key}.alternation");

@@ -1,5 +1,7 @@
 //! Times of an experiment in whole sample periods.
 
+use dr_core::control::Drive;
+use dr_core::signal::Prbs;
 use recording::toml_file::{FileError, TomlSource};
 
 /// Time of a tick in s, as near as f64 has it: 29 ticks of 0.01 s are 0.29 s and not
@@ -76,6 +78,21 @@ impl<'a> TickGrid<'a> {
             return Err(self.source.refuse(key, format!("is {pause_s} s: it must be finite and 0 s or more")));
         }
         self.whole_ticks(key, pause_s)
+    }
+
+    /// A drive by pseudo-random bits, whose table stands under `key`.
+    ///
+    /// # Errors
+    /// Names the key that is wrong.
+    pub fn prbs(&self, key: &str, order: u8, bit_time_s: f64, seed: u32) -> Result<Drive, FileError> {
+        let ticks_per_bit = self.whole_ticks(&format!("{key}.bit_time_s"), bit_time_s)?;
+        // Order and seed are dr-core's to judge; the place is known here.
+        self.source.within(&format!("{key}.order"), f64::from(order), 2.0..=32.0, "")?;
+        Prbs::new(order, seed).map_err(|error| {
+            let sentence = format!("is {seed}: {error}");
+            self.source.refuse(&format!("{key}.seed"), sentence.replace("`seed` ", "it "))
+        })?;
+        Ok(Drive::Prbs { order, seed, ticks_per_bit })
     }
 
     /// Number of sample periods in a time of at least one.

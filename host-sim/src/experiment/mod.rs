@@ -38,10 +38,8 @@
 //! swings by its mean. Drives are judged by its whole range.
 
 mod checked;
-mod differences;
 mod drives;
 mod grid;
-mod held;
 pub mod models;
 mod read;
 mod scenario;

@@ -7,7 +7,7 @@ use super::drives::DriveReader;
 use super::grid::TickGrid;
 use super::models::Models;
 use super::table::{ExperimentTable, FaultTable, WindOutputTable};
-use super::{held, sweep, wind};
+use super::{sweep, wind};
 use crate::sensor::field::FieldEffects;
 use crate::sensor::{TimedFault, construction_of};
 use anemometry::gas::Species;
@@ -47,15 +47,7 @@ impl Experiment {
     fn with_head(source: TomlSource, head: Option<Head>) -> Result<Self, FileError> {
         let table: ExperimentTable = source.parse()?;
         let folder = source.path.parent().unwrap_or(Path::new(""));
-        // A file that is not there is the experiment's mistake; one that is wrong is its own.
-        let place = |key: &'static str| {
-            let source = &source;
-            move |error: FileError| match error.line {
-                None => source.refuse(key, format!("cannot be used: {error}")),
-                Some(_) => error,
-            }
-        };
-        let read = || Head::read(&folder.join(&table.head)).map_err(place("head"));
+        let read = || Head::read(&folder.join(&table.head)).map_err(|error| source.unusable("head", error));
         let mut head = head.map_or_else(read, Ok)?;
         let mut currents = Vec::with_capacity(table.currents.len());
         for (name, levels) in &table.currents {
@@ -74,7 +66,7 @@ impl Experiment {
         }
         of_one_gas(&source, &head, table.gas.species)?;
         let models = table.models.map(|path| Models::read(&folder.join(path), &head)).transpose();
-        let models = models.map_err(place("models"))?;
+        let models = models.map_err(|error| source.unusable("models", error))?;
 
         let sample_period_s = source.within("sample_period_s", table.sample_period_s, SAMPLE_PERIODS_S, "s")?;
         let grid = TickGrid::new(&source, sample_period_s, table.duration_s)?;
@@ -90,12 +82,12 @@ impl Experiment {
                     let sentence = "is given besides [[wind]] or [tunnel]: the wind comes from one of them";
                     return Err(source.refuse("sweep", sentence));
                 }
-                (None, Some(tunnel), []) => wind::entries(&grid, tunnel)?,
+                (None, Some(tunnel), []) => wind::tunnel_entries(&grid, tunnel)?,
                 (None, Some(_), _) => {
                     let sentence = "is given besides [[wind]]: the wind comes from one of them";
                     return Err(source.refuse("tunnel", sentence));
                 }
-                (None, None, tables) => held::entries(&grid, tables)?,
+                (None, None, tables) => wind::held_entries(&grid, tables)?,
             },
             field: FieldEffects {
                 surface_heat: table.surface_heat,

@@ -1,7 +1,8 @@
-//! What a head is judged in.
+//! Conditions of a check, its numbers for one element, and the elements held in quiescent gas.
 
 use anemometry::gas::{GasError, IdealGas, Species, ZERO_CELSIUS_K};
-use anemometry::head::Head;
+use anemometry::head::{Head, HeadElement};
+use dr_core::sensor::Level;
 use recording::toml_file::FileError;
 use serde::Serialize;
 
@@ -71,5 +72,62 @@ impl HeadConditions {
     /// What elements are held at, °C.
     pub fn set_point_c(&self) -> f64 {
         self.temperature_c + self.overheat_k
+    }
+}
+
+/// One element.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ElementCheck {
+    /// Its name.
+    pub name: String,
+    /// Whether it is held at the set-point; else it only senses.
+    pub held: bool,
+    /// Rise by a watt of its own in quiescent gas, K/W.
+    pub own_gain_k_per_w: f64,
+    /// The same at 3 m/s, K/W.
+    pub own_gain_in_wind_k_per_w: f64,
+    /// Heat capacity of the node that it heats, J/K.
+    pub capacity_j_k: f64,
+    /// Power of either level at the set-point, W.
+    pub level_w: [f64; 2],
+}
+
+impl ElementCheck {
+    /// By how much a tick at the high level, in place of the low one, heats it: what its node
+    /// stores of it, but no more than the whole structure would rise, K.
+    pub fn tick_rise_k(&self, sample_period_s: f64) -> f64 {
+        let step_w = self.level_w[1] - self.level_w[0];
+        step_w * (sample_period_s / self.capacity_j_k).min(self.own_gain_k_per_w)
+    }
+}
+
+/// Elements and their powers in quiescent gas.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AtRest {
+    /// Which of them are held at the set-point.
+    pub held: Vec<bool>,
+    /// What their set-point needs, W; of the others what their low level gives.
+    pub power_w: Vec<f64>,
+    /// The one given up last, as its high level cannot hold it, and what it would have needed, W.
+    pub given_up: Option<(usize, f64)>,
+}
+
+impl AtRest {
+    /// Whoever cannot be held only senses; the others then need a little more.
+    pub fn of(survey: &mut BodySurvey, elements: &[HeadElement], set_point_c: f64) -> Self {
+        let high_w: Vec<f64> = elements.iter().map(|of| of.power_w(set_point_c, Level::High)).collect();
+        let mut held: Vec<bool> = elements.iter().map(HeadElement::may_be_driven).collect();
+        let mut given_up = None;
+        loop {
+            let held_c: Vec<Option<f64>> = held.iter().map(|held| held.then_some(set_point_c)).collect();
+            let power_w = survey.operating_point([0.0; 3], &held_c).power_w;
+            let too_much = |i: &usize| held[*i] && power_w[*i] > high_w[*i];
+            let worst = |a: &usize, b: &usize| (power_w[*a] / high_w[*a]).total_cmp(&(power_w[*b] / high_w[*b]));
+            let Some(senses) = (0..elements.len()).filter(too_much).max_by(worst) else {
+                return Self { held, power_w, given_up };
+            };
+            given_up = Some((senses, power_w[senses]));
+            held[senses] = false;
+        }
     }
 }

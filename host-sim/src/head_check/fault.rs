@@ -4,8 +4,7 @@ use anemometry::head::{Head, HeadElement};
 use dr_core::sensor::Level;
 use recording::text::{brief, short};
 
-use super::conditions::HeadConditions;
-use super::rest::AtRest;
+use super::conditions::{AtRest, HeadConditions};
 use crate::sensor::BodySurvey;
 
 /// Ends of the decades of overheats among which possible ones are sought, K.

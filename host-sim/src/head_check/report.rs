@@ -9,8 +9,7 @@ use recording::text::{brief, count};
 use recording::toml_file::FileError;
 use serde::Serialize;
 
-use super::conditions::{GivenConditions, HeadConditions};
-use super::element::ElementCheck;
+use super::conditions::{ElementCheck, GivenConditions, HeadConditions};
 use super::fault::OverheatError;
 use super::warnings::warnings;
 use super::winds::WindRange;

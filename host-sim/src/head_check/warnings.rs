@@ -2,8 +2,7 @@
 
 use anemometry::head::{Head, HeadElement};
 
-use super::conditions::HeadConditions;
-use super::element::ElementCheck;
+use super::conditions::{ElementCheck, HeadConditions};
 use super::fault::{ElementFault, OverheatError};
 use super::winds::WindRange;
 use recording::text::{brief, short};

@@ -17,8 +17,7 @@ use anemometry::vector::unit;
 use dr_core::sensor::Level;
 use serde::Serialize;
 
-use super::conditions::HeadConditions;
-use super::rest::AtRest;
+use super::conditions::{AtRest, HeadConditions};
 use crate::sensor::BodySurvey;
 
 /// Averaged over, s.

@@ -5,23 +5,20 @@
 //! core: each waits for the other all the time, and waking up on another core costs more than the
 //! work.
 
-mod left_over;
 mod process;
-mod stream;
 
 use super::error::InstrumentError;
-use super::link::{BoardLink, BoardStream, RetryPolicy};
-use super::lock_step::LockStepController;
+use super::link::{Aside, BoardLink, BoardStream, RetryPolicy};
 use super::observation::{LinkReport, TickReport};
-use super::port::{SettingsPort, granted_by};
-use super::reset_cause::why_it_started;
+use super::port::{LockStepController, SettingsPort, granted_by};
+use super::status::why_it_started;
 use dr_core::control::{HardwareLimits, Heaters, SelfTestFinding};
 use dr_core::sensor::{FrontEndInput, Reading};
 use dr_core::{Command, Reply};
+pub use process::Pipe;
 use process::Process;
 use std::path::Path;
 use std::time::Duration;
-pub use stream::Pipe;
 use wire::{
     FromBoard, HeaterFrame, Identity, MOST_ELEMENTS, Provocation, Readings, SettingsReply, SettingsRequest, Status,
     ToBoard,
@@ -243,7 +240,7 @@ impl Emulated {
     /// Sends something by the host link and waits for the answer, hearing what else comes.
     fn converse<T>(
         &mut self,
-        send: impl FnOnce(&mut BoardLink<Pipe>, RetryPolicy, &mut dyn FnMut(FromBoard)) -> Result<T, InstrumentError>,
+        send: impl FnOnce(&mut BoardLink<Pipe>, RetryPolicy, Aside) -> Result<T, InstrumentError>,
     ) -> Result<T, InstrumentError> {
         let mut aside = Vec::new();
         // Nothing gets lost on the way to an emulator.

@@ -1,9 +1,8 @@
 //! The controller in this process: the fastest body, and the one that the others are held against.
 
 use super::error::InstrumentError;
-use super::lock_step::{LockStep, LockStepController};
 use super::observation::{LinkReport, TickReport};
-use super::port::{InstrumentPort, granted_by};
+use super::port::{InstrumentPort, LockStep, LockStepController, granted_by};
 use crate::sensor::Sensor;
 use dr_core::control::{BOARD_ELEMENTS, MOST_ELEMENTS, SelfTestFinding};
 use dr_core::sensor::{FrontEndInput, Reading};

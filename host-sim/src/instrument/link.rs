@@ -32,6 +32,9 @@ pub struct RetryPolicy {
     pub timeout: Duration,
 }
 
+/// Takes messages that are no answer.
+pub type Aside<'a> = &'a mut dyn FnMut(FromBoard);
+
 /// A way to a board.
 pub trait BoardStream {
     /// The time by the clock that the board lives by, counted from any moment. Timeouts are meant
@@ -191,12 +194,7 @@ impl<S: BoardStream> BoardLink<S> {
     ///
     /// # Errors
     /// If the command is refused, or the board does not answer.
-    pub fn command(
-        &mut self,
-        command: Command,
-        retries: RetryPolicy,
-        aside: &mut dyn FnMut(FromBoard),
-    ) -> Result<Reply, InstrumentError> {
+    pub fn command(&mut self, command: Command, retries: RetryPolicy, aside: Aside) -> Result<Reply, InstrumentError> {
         self.converse(&ToBoard::Command(command), retries, aside, |message, again| match message {
             FromBoard::Reply { to, result } => Some((
                 *to,
@@ -218,7 +216,7 @@ impl<S: BoardStream> BoardLink<S> {
         &mut self,
         request: &SettingsRequest,
         retries: RetryPolicy,
-        aside: &mut dyn FnMut(FromBoard),
+        aside: Aside,
     ) -> Result<SettingsReply, InstrumentError> {
         self.converse(&ToBoard::Settings(request.clone()), retries, aside, |message, _| match message {
             FromBoard::Setting(SettingsAnswer { to, result }) => {
@@ -235,7 +233,7 @@ impl<S: BoardStream> BoardLink<S> {
         &mut self,
         message: &ToBoard,
         retries: RetryPolicy,
-        aside: &mut dyn FnMut(FromBoard),
+        aside: Aside,
         answer: impl Fn(&FromBoard, bool) -> Option<(u16, Result<T, InstrumentError>)>,
     ) -> Result<T, InstrumentError> {
         let mut first = None;

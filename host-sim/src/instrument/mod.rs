@@ -9,25 +9,20 @@
 //! | [`virtual_line`] | the firmware of the sensor board, on models of it in another process | simulated |
 //!
 //! The first two are a [`LockStepController`] in lock-step with the simulated
-//! [`Sensor`](crate::sensor::Sensor), see [`lock_step`].
+//! [`Sensor`](crate::sensor::Sensor), see [`LockStep`].
 
-pub mod board_room;
 pub mod emulated;
 pub mod error;
 pub mod in_process;
 pub mod link;
-pub mod lock_step;
 pub mod observation;
 pub mod port;
-mod reset_cause;
 pub mod serial;
 pub mod setup;
 mod status;
 pub mod virtual_line;
 
 pub use error::InstrumentError;
-pub use lock_step::{LockStep, LockStepController};
 pub use observation::{LinkReport, Observation, TickReport, TickSample};
-pub use port::{InstrumentPort, SettingsPort, granted_by};
-pub use reset_cause::why_it_started;
-pub use status::{BoardStatus, FirstTripReport};
+pub use port::{InstrumentPort, LockStep, LockStepController, SettingsPort, granted_by};
+pub use status::{BoardStatus, FirstTripReport, why_it_started};

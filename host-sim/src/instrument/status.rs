@@ -1,10 +1,10 @@
-//! What a board reports of its health, for people and as JSON.
+//! Health of a board and the reason of its last start, for people and as JSON.
 
-use super::reset_cause::why_it_started;
+use std::fmt;
+
 use dr_core::control::{FirstTrip, RunState, Trip};
 use serde::Serialize;
-use std::fmt;
-use wire::{Identity, Status};
+use wire::{CrashKind, Identity, ResetCause, Status};
 
 /// A board, and how it has fared since its supply or its reset pin started it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -96,6 +96,23 @@ impl fmt::Display for BoardStatus {
         write!(f, "\nbit flips: {bit_flips}; deadlines missed: {deadlines}; ")?;
         writeln!(f, "late ticks: {late_ticks}; damaged frames: {damaged}")
     }
+}
+
+/// Why a board has started, as a clause.
+pub fn why_it_started(identity: &Identity) -> String {
+    let crash = identity.crash.as_ref().map(|crash| match crash.kind {
+        CrashKind::Panic => format!("its firmware panicked at {}:{}", crash.file, crash.at),
+        CrashKind::Fault => format!("its processor faulted at {:#010x}", crash.at),
+    });
+    let reset = match identity.reset {
+        ResetCause::PowerOn => "its supply was gone",
+        ResetCause::Pin => "somebody reset it",
+        ResetCause::Software => "its firmware ran into an error",
+        ResetCause::Watchdog => "a task of its firmware hung",
+        ResetCause::BrownOut => "its supply dipped",
+        ResetCause::Unknown => "it does not know why",
+    };
+    crash.unwrap_or_else(|| reset.to_owned())
 }
 
 #[cfg(test)]

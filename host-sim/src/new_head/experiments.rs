@@ -1,6 +1,6 @@
 //! The first experiments of a new head: long enough for its slowest and its usual time constants.
 
-use super::error::NewHeadError;
+use super::limits::NewHeadError;
 use crate::head_check::{ElementCheck, GivenConditions, HeadCheckReport, check};
 use anemometry::calibrate::drawn::drawn;
 use anemometry::calibrate::{DrawnOptions, LossLaw};

@@ -1,13 +1,15 @@
 //! Heads and overheats whose experiments would come to nothing, and what to know of the others.
 
 use std::fmt::Display;
+use std::path::PathBuf;
 
-use super::error::NewHeadError;
-use crate::head_check::{ElementFault, HeadCheckReport};
 use anemometry::calibrate::drawn::drawn;
 use anemometry::calibrate::{DrawnOptions, LossLaw};
 use anemometry::head::Head;
 use recording::text::short;
+use recording::toml_file::FileError;
+
+use crate::head_check::{ElementFault, HeadCheckReport};
 
 /// Longest experiment.
 const MOST_DAYS: f64 = 7.0;
@@ -58,4 +60,23 @@ pub fn too_strong(head: &Head, report: &HeadCheckReport, most_m_s: f64) -> Optio
             short(greatest_m_s, 3)
         )
     })
+}
+
+/// Why a new head was not written.
+#[derive(Debug, thiserror::Error)]
+pub enum NewHeadError {
+    /// The head's file is wrong.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// Head, overheat or folder is refused, in one sentence.
+    #[error("{0}")]
+    Refused(String),
+    /// A file cannot be written.
+    #[error("{}: cannot be written: {error}", path.display())]
+    Unwritten {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        error: std::io::Error,
+    },
 }

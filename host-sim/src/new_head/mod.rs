@@ -6,7 +6,6 @@
 //! | `experiments` | held in winds, a record for each element, a calibration, winds to estimate |
 //! | `limits` | heads and overheats that are refused, and what to know of the others |
 
-mod error;
 mod experiments;
 mod limits;
 mod template;
@@ -16,8 +15,8 @@ use std::path::Path;
 use anemometry::head::Head;
 use recording::toml_file::{FileError, TomlSource};
 
-pub use error::NewHeadError;
 pub use experiments::{NewExperiments, OVERHEAT_K, experiments};
+pub use limits::NewHeadError;
 pub use template::NewHeadKind;
 
 /// Writes a head and its experiments into a folder that is not there yet; `winds` is how many there

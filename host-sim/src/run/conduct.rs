@@ -4,15 +4,14 @@
 //! RecordingRow n holds sample n and the wind of the interval after it. Samples that got lost on
 //! the way leave a gap in the rows' times and are counted.
 
-use super::error::{EarlyEnd, RunError};
-use super::row::RowBuilder;
+use super::error::{EarlyEnd, RowSink, RunError};
+use super::recorded::RowBuilder;
 use super::start::{change_drives, start};
 use super::statistics::RunStatistics;
 use super::summary::RunSummary;
 use crate::experiment::Experiment;
 use crate::instrument::{InstrumentError, InstrumentPort, LinkReport};
 use dr_core::control::RunState;
-use recording::RecordingRow;
 
 /// Runs an experiment from start to end and hands every row to `sink`.
 ///
@@ -25,7 +24,7 @@ use recording::RecordingRow;
 pub fn run(
     experiment: &Experiment,
     mut instrument: Box<dyn InstrumentPort>,
-    sink: &mut dyn FnMut(&RecordingRow) -> Result<(), RunError>,
+    sink: RowSink,
 ) -> Result<RunSummary, RunError> {
     let mut statistics = RunStatistics::new(experiment, &instrument.identity().firmware);
     let observed = start(experiment, instrument.as_mut()).and_then(|judgement| {
@@ -50,7 +49,7 @@ fn observe(
     experiment: &Experiment,
     instrument: &mut dyn InstrumentPort,
     statistics: &mut RunStatistics,
-    sink: &mut dyn FnMut(&RecordingRow) -> Result<(), RunError>,
+    sink: RowSink,
 ) -> Result<(), RunError> {
     let names = experiment.head.names();
     let mut rows = RowBuilder::new(experiment);

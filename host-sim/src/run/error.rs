@@ -1,11 +1,12 @@
 //! Why a run did not come to its end.
 
-use std::fmt;
-
 use crate::instrument::error::InstrumentError;
-use recording::RecordingError;
 use recording::toml_file::FileError;
+use recording::{RecordingError, RecordingRow};
 use serde::Serialize;
+
+/// Takes the rows of a run.
+pub type RowSink<'a> = &'a mut dyn FnMut(&RecordingRow) -> Result<(), RunError>;
 
 /// Why a run did not come to its end.
 #[derive(Debug, thiserror::Error)]
@@ -28,7 +29,11 @@ pub enum RunError {
 }
 
 /// Why a run ended before its time, its rows kept.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, thiserror::Error)]
+#[error(
+    "{why}{}",
+    if *stopped { "" } else { "; its `Stop` was not confirmed, so heaters may still be on: switch its supply off" }
+)]
 pub struct EarlyEnd {
     /// A sentence.
     pub why: String,
@@ -41,15 +46,5 @@ impl EarlyEnd {
     pub(super) fn not_stopped(ended: Option<Self>, error: &InstrumentError) -> Self {
         let why = ended.map_or_else(|| format!("the instrument could not be stopped: {error}"), |ended| ended.why);
         Self { why, stopped: false }
-    }
-}
-
-impl fmt::Display for EarlyEnd {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.why)?;
-        if !self.stopped {
-            f.write_str("; its `Stop` was not confirmed, so heaters may still be on: switch its supply off")?;
-        }
-        Ok(())
     }
 }

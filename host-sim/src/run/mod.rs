@@ -6,25 +6,22 @@
 //! | `start` | sets an instrument up, in a rehearsal and for the run itself |
 //! | `conduct` | the loop: ticks, rows, changes of drives |
 //! | [`log`] | the loop of a log, which goes on until it is stopped |
-//! | `row` | a sample as a row |
-//! | `recorded` | columns and metadata of a run's recording |
+//! | `recorded` | columns, metadata and rows of a run's recording |
 //! | `statistics`, [`summary`] | what is added up, and what is reported of it |
-//! | `refusal`, `error` | what was refused, as a sentence; why a run ended |
+//! | `error` | why a run ended |
 
 mod check;
 mod conduct;
 mod error;
 pub mod log;
 mod recorded;
-mod refusal;
-mod row;
 mod start;
 mod statistics;
 pub mod summary;
 
 pub use check::CheckReport;
 pub use conduct::run;
-pub use error::{EarlyEnd, RunError};
+pub use error::{EarlyEnd, RowSink, RunError};
 pub use recorded::{layout, metadata, outcome};
 pub use start::{SetPointJudgement, change_drives, rehearse, setup_of, start};
 pub use summary::{ElementSummary, RunSummary, TripSummary};

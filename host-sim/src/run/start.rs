@@ -1,16 +1,18 @@
 //! Setting an instrument up for an experiment: the same steps for a rehearsal in this process and
 //! for the run itself.
+//!
+//! A refusal becomes a sentence about the key of the experiment that asks for it.
 
 use dr_core::control::{Drive, Refusal};
-use dr_core::{Command, Reply};
+use dr_core::model::Reachability;
+use dr_core::{Command, Parameter};
+use wire::BoardKind;
 
 use super::error::RunError;
-use super::refusal;
 use crate::experiment::{DriveChange, Experiment};
-use crate::instrument::board_room::fits_boards;
 use crate::instrument::in_process::{self, InProcess};
-use crate::instrument::{InstrumentError, InstrumentPort, LockStep, setup};
-use wire::BoardKind;
+use crate::instrument::setup::{self, fits_boards};
+use crate::instrument::{InstrumentError, InstrumentPort, LockStep};
 
 /// How many set-points of an experiment, those of its changes included, can be held by a model, and
 /// how many have no model.
@@ -46,14 +48,14 @@ pub fn rehearse(experiment: &Experiment, board: Option<BoardKind>) -> Result<Set
 /// A refusal names the key of the file where the user can do something about it.
 pub fn start(experiment: &Experiment, instrument: &mut dyn InstrumentPort) -> Result<SetPointJudgement, RunError> {
     let names = experiment.head.names();
-    let reply = setup::start(instrument, &setup_of(experiment)?).map_err(|error| match &error {
+    setup::start(instrument, &setup_of(experiment)?).map_err(|error| match &error {
         InstrumentError::Refused(Refusal::Tripped(trip)) => {
             InstrumentError::Tripped { cause: trip.cause.name(), element: setup::place(*trip, &names) }.into()
         }
-        InstrumentError::Refused(Refusal::Invalid { element, error }) if refusal::is_of_the_head(error.parameter) => {
+        InstrumentError::Refused(Refusal::Invalid { element, error }) if is_of_the_head(error.parameter) => {
             let of = element.map(usize::from).and_then(|element| Some((element, *names.get(element)?)));
             let (key, of) = match of {
-                Some((element, name)) if refusal::is_of_the_currents(experiment, element, error.parameter) => {
+                Some((element, name)) if is_of_the_currents(experiment, element, error.parameter) => {
                     (format!("currents.{name}"), String::new())
                 }
                 Some((_, name)) => ("head".to_owned(), format!("{name}: ")),
@@ -63,21 +65,16 @@ pub fn start(experiment: &Experiment, instrument: &mut dyn InstrumentPort) -> Re
         }
         InstrumentError::Refused(refusal) => match element_of(refusal).and_then(|element| names.get(element)) {
             // It names the key where the user can do something about it.
-            Some(name) => {
-                experiment.source.refuse(&format!("drives.{name}"), refusal::of_a_drive(experiment, refusal)).into()
-            }
+            Some(name) => experiment.source.refuse(&format!("drives.{name}"), of_a_drive(experiment, refusal)).into(),
             None => error.into(),
         },
         InstrumentError::TooManyElements { .. } => of_the_head(experiment, &error),
         _ => RunError::from(error),
     })?;
-    let Reply::Started { judged, unjudged } = reply else {
-        return Err(InstrumentError::Protocol("the run was started, but the answer does not say so".to_owned()).into());
-    };
-    let mut judgement = SetPointJudgement { judged: judged.into(), unjudged: unjudged.into() };
-    // The instrument does not know the later drives.
-    for (element, drive) in experiment.changes.iter().flat_map(|change| &change.drives) {
-        match (drive.target_range_c(), experiment.model(*element)) {
+    let mut judgement = SetPointJudgement::default();
+    let later = experiment.changes.iter().flat_map(|change| &change.drives).map(|(element, drive)| (*element, drive));
+    for (element, drive) in experiment.drives.iter().enumerate().chain(later) {
+        match (drive.target_range_c(), experiment.model(element)) {
             (None, _) => {}
             (Some(_), Some(_)) => judgement.judged += 1,
             (Some(_), None) => judgement.unjudged += 1,
@@ -152,11 +149,68 @@ pub fn change_drives(
             Err(InstrumentError::Refused(refusal)) => {
                 let at = experiment.changes.iter().position(|own| own == change).unwrap_or_default();
                 let name = &experiment.head.elements[place].name;
-                let sentence = refusal::of_a_drive(experiment, &refusal);
+                let sentence = of_a_drive(experiment, &refusal);
                 return Err(experiment.source.refuse(&format!("changes[{at}].drives.{name}"), sentence).into());
             }
             Err(error) => return Err(error.into()),
         }
     }
     Ok(())
+}
+
+/// A refused drive in words, for the key that asks for it.
+fn of_a_drive(experiment: &Experiment, refusal: &Refusal) -> String {
+    unreachable(experiment, refusal).unwrap_or_else(|| format!("is refused: {}", without_number(refusal)))
+}
+
+/// Whether a number stands in the head's file, and has passed its check: only the board can mind.
+const fn is_of_the_head(parameter: Parameter) -> bool {
+    use Parameter as P;
+    matches!(
+        parameter,
+        P::VoltPerCode
+            | P::CurrentLowA
+            | P::CurrentHighA
+            | P::TemperatureMaxC
+            | P::ResistanceMaxOhm
+            | P::SustainedPowerW
+            | P::EnergyJ
+            | P::StuckLimitTicks
+    )
+}
+
+/// Whether a number is a current that the experiment sets in place of the head's.
+fn is_of_the_currents(experiment: &Experiment, element: usize, parameter: Parameter) -> bool {
+    matches!(parameter, Parameter::CurrentLowA | Parameter::CurrentHighA) && experiment.currents.contains(&element)
+}
+
+/// The instrument knows elements by number; the key of the file has the name.
+fn without_number(refusal: &Refusal) -> String {
+    let words = refusal.to_string();
+    match words.strip_prefix("element ").and_then(|rest| rest.split_once(' ')) {
+        Some((number, rest)) if number.ends_with(':') => rest.to_owned(),
+        Some((_, rest)) => format!("it {rest}"),
+        None => words,
+    }
+}
+
+/// A model's verdict in temperatures, and whose verdict it is.
+fn unreachable(experiment: &Experiment, refusal: &Refusal) -> Option<String> {
+    let Refusal::Unreachable { element, target_c, verdict } = *refusal else { return None };
+    let reference_c = experiment.model(usize::from(element))?.reference_c;
+    let bound = match verdict {
+        Reachability::LowLevelTooWarm { least_rise_k } => {
+            format!("even at the low level it ends at {:.1} °C", reference_c + least_rise_k)
+        }
+        Reachability::HighLevelTooCold { most_rise_k } => {
+            format!("at the high level it ends at {:.1} °C", reference_c + most_rise_k)
+        }
+        Reachability::Reachable { .. } => return None,
+    };
+    let models = experiment.models.as_ref()?;
+    Some(format!(
+        "asks for {target_c} °C, which cannot be held: {bound}, by {} (for {})",
+        models.source.path.display(),
+        models.conditions
+    ))
 }

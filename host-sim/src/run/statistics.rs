@@ -4,7 +4,7 @@
 use dr_core::control::{Drive, RunState};
 
 use super::error::{EarlyEnd, RunError};
-use super::row::state_name;
+use super::recorded::state_name;
 use super::start::SetPointJudgement;
 use super::summary::{ElementSummary, RunSummary, TripSummary};
 use crate::experiment::Experiment;
@@ -16,6 +16,7 @@ use anemometry::wind::tally::EstimateTally;
 const REACHED_WITHIN_K: f32 = 0.1;
 
 /// What is added up while a run goes on.
+#[derive(Default)]
 pub(super) struct RunStatistics {
     /// What is known of it so far.
     summary: RunSummary,
@@ -28,6 +29,7 @@ pub(super) struct RunStatistics {
 }
 
 /// What is added up of one element.
+#[derive(Default)]
 struct ElementStatistics {
     /// Sum and count of good temperatures.
     sum_c: f64,
@@ -50,14 +52,7 @@ impl ElementStatistics {
 
 impl RunStatistics {
     pub(super) fn new(experiment: &Experiment, firmware: &str) -> Self {
-        let of = |&drive: &Drive| ElementStatistics {
-            sum_c: 0.0,
-            count: 0,
-            power_w: 0.0,
-            drive,
-            reached: false,
-            missed: false,
-        };
+        let of = |&drive: &Drive| ElementStatistics { drive, ..ElementStatistics::default() };
         let summary = RunSummary {
             title: experiment.title.clone(),
             head: experiment.head.name.clone(),
@@ -65,14 +60,7 @@ impl RunStatistics {
             validity: experiment.construction.as_ref().map_or("what is known of convection", Construction::validity),
             ..RunSummary::default()
         };
-        Self {
-            summary,
-            tally: EstimateTally::default(),
-            state: String::new(),
-            last: None,
-            end: 0,
-            elements: experiment.drives.iter().map(of).collect(),
-        }
+        Self { summary, elements: experiment.drives.iter().map(of).collect(), ..Self::default() }
     }
 
     /// An element does something else from now on.

@@ -31,29 +31,50 @@ const COVERAGE: f64 = 2.0;
 const MARGIN_K: f64 = 5.0;
 
 /// What is known of an element's currents.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CurrentsFinding {
     /// Name of the element.
     pub element: String,
+    /// `pass`, `off`, `uncertain` or `unknown`.
+    pub verdict: &'static str,
     /// High over low current by the head.
     pub head_ratio: f64,
-    /// Their error, or why it is not known.
-    pub error: Result<CurrentRatioError, CurrentRatioUnknown>,
+    /// Error of the ratio, ppm, if it is known.
+    pub error_ppm: Option<f64>,
+    /// Standard uncertainty of the error, ppm.
+    pub error_u_ppm: Option<f64>,
+    /// Why the ratio is not known.
+    pub why: Option<String>,
+    /// The error, if its uncertainty is small enough.
+    #[serde(skip)]
+    known: Option<CurrentRatioError>,
 }
 
 /// Result of a test of the currents.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CurrentsReport {
     /// Name and version of the firmware.
     pub firmware: String,
     /// Ticks of the excitation, without gaps.
     pub ticks: usize,
-    /// The element that came near its highest temperature, if one did.
-    pub hot: Option<String>,
+    /// Greatest error that passes, ppm.
+    pub bound_ppm: f64,
+    /// Whether all elements pass.
+    #[serde(rename = "well")]
+    pub pass: bool,
     /// One an element of the head, none of those that are never driven.
+    #[serde(rename = "elements", serialize_with = "driven")]
     pub findings: Vec<Option<CurrentsFinding>>,
+    /// The element that came near its highest temperature, if one did.
+    #[serde(skip)]
+    pub hot: Option<String>,
     /// The head that was written.
+    #[serde(skip)]
     pub written: Option<PathBuf>,
+}
+
+fn driven<S: Serializer>(findings: &[Option<CurrentsFinding>], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(findings.iter().flatten())
 }
 
 /// Heats the elements of a head for so many ticks, and reports on their currents. `each` gets the
@@ -93,17 +114,17 @@ pub fn test_currents(
     let elements = record.longest();
     let finding = |(of, ticks): (&HeadElement, &CurrentRatioTicks)| {
         let channel = &of.config.channel;
-        of.may_be_driven().then(|| CurrentsFinding {
-            element: of.name.clone(),
-            head_ratio: f64::from(channel.current_a(Level::High)) / f64::from(channel.current_a(Level::Low)),
-            error: current_ratio(ticks, channel.platinum()),
-        })
+        let head_ratio = f64::from(channel.current_a(Level::High)) / f64::from(channel.current_a(Level::Low));
+        of.may_be_driven().then(|| CurrentsFinding::new(&of.name, head_ratio, current_ratio(ticks, channel.platinum())))
     };
+    let findings: Vec<_> = head.elements.iter().zip(&elements).map(finding).collect();
     Ok(Some(CurrentsReport {
         firmware: instrument.identity().firmware.to_string(),
         ticks: elements.first().map_or(0, |ticks| ticks.high.len()),
         hot,
-        findings: head.elements.iter().zip(&elements).map(finding).collect(),
+        bound_ppm: BOUND_PPM,
+        pass: findings.iter().flatten().all(|of| of.verdict == "pass"),
+        findings,
         written: None,
     }))
 }
@@ -173,18 +194,22 @@ fn length(stretch: &[CurrentRatioTicks]) -> usize {
 }
 
 impl CurrentsFinding {
-    /// Whether its error is known well enough to be judged.
-    fn is_known(&self) -> bool {
-        self.error.is_ok_and(|found| COVERAGE * found.error_u_ppm <= BOUND_PPM)
-    }
-
-    /// One word on the element.
-    pub fn verdict(&self) -> &'static str {
-        match &self.error {
-            Err(_) => "unknown",
-            Ok(_) if !self.is_known() => "uncertain",
-            Ok(found) if found.error_ppm.abs() > BOUND_PPM => "off",
-            Ok(_) => "pass",
+    fn new(element: &str, head_ratio: f64, error: Result<CurrentRatioError, CurrentRatioUnknown>) -> Self {
+        let found = error.ok();
+        let known = found.filter(|found| COVERAGE * found.error_u_ppm <= BOUND_PPM);
+        Self {
+            element: element.to_owned(),
+            verdict: match (found, known) {
+                (None, _) => "unknown",
+                (_, None) => "uncertain",
+                (_, Some(found)) if found.error_ppm.abs() > BOUND_PPM => "off",
+                _ => "pass",
+            },
+            head_ratio,
+            error_ppm: found.map(|found| found.error_ppm),
+            error_u_ppm: found.map(|found| found.error_u_ppm),
+            why: error.err().map(|why| why.to_string()),
+            known,
         }
     }
 }
@@ -192,14 +217,13 @@ impl CurrentsFinding {
 impl CurrentsReport {
     /// The errors by element of the head, of those that are known well enough.
     pub fn known(&self) -> Vec<Option<CurrentRatioError>> {
-        let known = |of: &CurrentsFinding| of.error.ok().filter(|_| of.is_known());
-        self.findings.iter().map(|of| of.as_ref().and_then(known)).collect()
+        self.findings.iter().map(|of| of.as_ref().and_then(|of| of.known)).collect()
     }
 
     /// The first element whose error is not known, and why, in one clause.
     pub fn unknown(&self) -> Option<String> {
-        let of = self.findings.iter().flatten().find(|of| !of.is_known())?;
-        let why = of.error.map_or_else(|why| why.to_string(), |_| "its uncertainty is too great".to_owned());
+        let of = self.findings.iter().flatten().find(|of| of.known.is_none())?;
+        let why = of.why.as_deref().unwrap_or("its uncertainty is too great");
         let hot = self.hot.as_ref().map_or_else(String::new, |hot| {
             format!("; {hot} came within {MARGIN_K} K of its temperature_max_c and ended the test: cool the head")
         });
@@ -209,7 +233,7 @@ impl CurrentsReport {
     /// What is wrong in one clause; nothing if the test has passed.
     pub fn faults(&self) -> Option<String> {
         let of = self.findings.iter().flatten();
-        let wrong = of.clone().filter(|of| of.verdict() != "pass").count();
+        let wrong = of.clone().filter(|of| of.verdict != "pass").count();
         (wrong > 0).then(|| format!("faults in {wrong} of {} elements", of.count()))
     }
 }
@@ -219,14 +243,14 @@ impl fmt::Display for CurrentsReport {
         let none = || "–".to_owned();
         let mut lines = vec![["element", "verdict", "high/low", "error", "±"].map(str::to_owned).to_vec()];
         for of in self.findings.iter().flatten() {
-            let mut line = vec![of.element.clone(), of.verdict().to_owned()];
-            line.extend(match of.error {
-                Ok(found) => [
-                    format!("{:.6}", of.head_ratio * (1.0 + 1e-6 * found.error_ppm)),
-                    format!("{:+.1} ppm", found.error_ppm),
-                    format!("{:.1} ppm", COVERAGE * found.error_u_ppm),
+            let mut line = vec![of.element.clone(), of.verdict.to_owned()];
+            line.extend(match (of.error_ppm, of.error_u_ppm) {
+                (Some(error_ppm), Some(error_u_ppm)) => [
+                    format!("{:.6}", of.head_ratio * (1.0 + 1e-6 * error_ppm)),
+                    format!("{error_ppm:+.1} ppm"),
+                    format!("{:.1} ppm", COVERAGE * error_u_ppm),
                 ],
-                Err(_) => [none(), none(), none()],
+                _ => [none(), none(), none()],
             });
             lines.push(line);
         }
@@ -240,47 +264,5 @@ impl fmt::Display for CurrentsReport {
             writeln!(f, "{}: the head with these currents", path.display())?;
         }
         writeln!(f, "{}", self.faults().unwrap_or_else(|| "pass".to_owned()))
-    }
-}
-
-impl Serialize for CurrentsReport {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        #[derive(Serialize)]
-        struct ElementJson<'a> {
-            element: &'a str,
-            verdict: &'static str,
-            head_ratio: f64,
-            error_ppm: Option<f64>,
-            error_u_ppm: Option<f64>,
-            why: Option<String>,
-        }
-        #[derive(Serialize)]
-        struct CurrentsJson<'a> {
-            firmware: &'a str,
-            ticks: usize,
-            bound_ppm: f64,
-            #[serde(rename = "well")]
-            pass: bool,
-            elements: Vec<ElementJson<'a>>,
-        }
-        let element = |of: &'_ CurrentsFinding| -> (Option<f64>, Option<f64>, Option<String>) {
-            match of.error {
-                Ok(found) => (Some(found.error_ppm), Some(found.error_u_ppm), None),
-                Err(why) => (None, None, Some(why.to_string())),
-            }
-        };
-        let elements = self.findings.iter().flatten().map(|of| {
-            let (error_ppm, error_u_ppm, why) = element(of);
-            let (element, verdict) = (of.element.as_str(), of.verdict());
-            ElementJson { element, verdict, head_ratio: of.head_ratio, error_ppm, error_u_ppm, why }
-        });
-        let json = CurrentsJson {
-            firmware: &self.firmware,
-            ticks: self.ticks,
-            bound_ppm: BOUND_PPM,
-            pass: self.faults().is_none(),
-            elements: elements.collect(),
-        };
-        json.serialize(serializer)
     }
 }

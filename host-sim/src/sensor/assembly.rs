@@ -1,12 +1,16 @@
 //! From the `[body]` of a head file to a body that takes heat and loses it.
+//!
+//! A rod leads from a sensor to its support: the stem of a sphere, the boom of REMS, the prong of a
+//! wire. Its cells have equal lengths, with whole conductances between them and half a cell (so twice
+//! the conductance) at either end.
+
+use anemometry::gas::IdealGas;
+use anemometry::head::body::{Body, BodyLink};
 
 use super::body::{BodyParts, GasGap, Surface, ThermalBody};
 use super::convection::BodyConvection;
 use super::error::SensorError;
 use super::network::ThermalNetwork;
-use super::rod::{FarEnd, cell_k, join};
-use anemometry::gas::IdealGas;
-use anemometry::head::body::{Body, BodyLink};
 
 /// The body of all tables together, in equilibrium with the gas, its rods between gas and support.
 ///
@@ -82,13 +86,29 @@ fn add_link(
             parts.gaps.push(GasGap { link, ends, area_over_width_m: *area_over_width_m });
         }
         BodyLink::Rod { from, to, cells, conductance_w_k } => {
-            let near: Vec<usize> = from.iter().map(|node| base + node).collect();
-            let far = to.map_or(FarEnd::Support(support_k), |node| FarEnd::Node(base + node));
-            let cells = base + cells.start..base + cells.end;
-            if to.is_none() {
-                parts.stem_ends.push(cells.start);
+            let (near, cells) = (from.iter().map(|node| base + node), base + cells.start..base + cells.end);
+            let cell_w_k = conductance_w_k * cells.len() as f64;
+            // The nodes share its near end; without any it is free there.
+            for node in near {
+                network.link(node, cells.start, 2.0 * cell_w_k / from.len() as f64);
             }
-            parts.supports.extend(join(network, &near, cells, &far, *conductance_w_k));
+            for cell in cells.clone().skip(1) {
+                network.link(cell - 1, cell, cell_w_k);
+            }
+            let last = cells.end - 1;
+            match to {
+                Some(node) => drop(network.link(last, base + node, 2.0 * cell_w_k)),
+                None => {
+                    parts.supports.push(network.link_to_fixed(last, 2.0 * cell_w_k, support_k));
+                    parts.stem_ends.push(cells.start);
+                }
+            }
         }
     }
+}
+
+/// Temperature of cell `k` of `count` between the ends, K.
+fn cell_k(k: usize, count: usize, [near_k, far_k]: [f64; 2]) -> f64 {
+    let position = (k as f64 + 0.5) / count as f64;
+    near_k + position * (far_k - near_k)
 }

@@ -8,8 +8,7 @@
 use std::ops::Range;
 
 use super::convection::BodyConvection;
-use super::cooled_stem::CooledStem;
-use super::field::LocalWind;
+use super::field::{CooledStem, LocalWind};
 use super::network::{BoundaryId, RadiatorId, ThermalNetwork};
 use anemometry::gas::{IdealGas, TEMPERATURE_RANGE_K, ZERO_CELSIUS_K};
 use anemometry::vector::length;

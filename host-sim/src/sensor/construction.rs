@@ -1,19 +1,21 @@
-//! What a simulated sensor is made of: the body of a head file, its own or that of one of the
-//! project's heads.
+//! Bodies of a simulated sensor: those of a head file, its own or of one of the project's heads.
+//! The elements of a head must be those of the sensor that simulates it.
 
 use std::path::PathBuf;
 use std::sync::Arc;
+
+use anemometry::gas::{IdealGas, ZERO_CELSIUS_K};
+use anemometry::head::Head;
+use anemometry::head::body::{Body, BodyElement};
+use recording::REFERENCE;
+use recording::text::suggest;
+use recording::toml_file::{FileError, TomlSource};
 
 use super::assembly::assemble;
 use super::body::ThermalBody;
 use super::convection::validity;
 use super::error::{SensorError, require};
 use super::specimen;
-use anemometry::gas::{IdealGas, ZERO_CELSIUS_K};
-use anemometry::head::Head;
-use anemometry::head::body::{Body, BodyElement};
-use recording::REFERENCE;
-use recording::toml_file::TomlSource;
 
 /// The project's heads that a `sensor` may name.
 const SPHERE_A: &str = include_str!("../../../heads/sphere-a.toml");
@@ -124,6 +126,62 @@ impl Default for Construction {
     }
 }
 
+/// The sensor that simulates a head: its own body, or the sensor that it names; none where it has
+/// neither.
+///
+/// # Errors
+/// If there is no sensor of that name, or it has other elements.
+pub fn construction_of(head: &Head) -> Result<Option<Construction>, FileError> {
+    let (source, elements) = (&head.source, &head.elements);
+    let Some(name) = head.sensor.as_deref() else { return Ok(Construction::of(head)) };
+    let construction = Construction::named(name).ok_or_else(|| {
+        let sentence = format!("is `{name}`, which cannot be simulated; {}", suggest(name, Construction::NAMES));
+        source.refuse("sensor", sentence)
+    })?;
+    // One more than the sensor's own may measure the gas beside it.
+    let own = construction.elements().len();
+    let extended = construction.with_reference();
+    let construction = match (elements.get(own), extended.clone()) {
+        (Some(element), Some(extended)) if element.name == REFERENCE => extended,
+        _ => construction,
+    };
+    let parts = construction.elements();
+    let counts = format!("it has {} elements and the head {}", parts.len(), elements.len());
+    for (i, part) in parts.iter().enumerate() {
+        let Some(element) = elements.get(i) else {
+            let sentence = format!("is `{name}`, but its element `{}` is missing here: {counts}", part.name);
+            return Err(source.refuse("sensor", sentence));
+        };
+        if element.name != part.name {
+            let sentence = format!("is `{}`, but element {} of `{name}` is `{}`", element.name, i + 1, part.name);
+            return Err(source.refuse(&format!("elements[{i}].name"), sentence));
+        }
+        if let Some(sentence) = element.normal.and_then(|normal| other_normal(name, part, normal)) {
+            return Err(source.refuse(&format!("elements[{i}].normal"), sentence));
+        }
+    }
+    if let Some(surplus) = elements.get(parts.len()) {
+        let more = if extended.is_some() && parts.len() == own { "; one more may be its `reference`" } else { "" };
+        let sentence = format!("is `{}`, which `{name}` has not: {counts}{more}", surplus.name);
+        return Err(source.refuse(&format!("elements[{}].name", parts.len()), sentence));
+    }
+    Ok(Some(construction))
+}
+
+/// What is wrong with the normal of an element, if it is not that of the sensor's.
+fn other_normal(sensor: &str, part: &BodyElement, normal: [f64; 3]) -> Option<String> {
+    match part.normal {
+        Some(axis) if normal.iter().zip(axis).all(|(a, b)| (a - b).abs() < 1e-6) => None,
+        Some(axis) => {
+            Some(format!("turns `{}` towards {normal:.3?}, but in `{sensor}` it looks towards {axis:.3?}", part.name))
+        }
+        None if part.name == REFERENCE => {
+            Some(format!("is given for `{}`, which is simulated as meeting every wind alike", part.name))
+        }
+        None => Some(format!("is given for `{}`, which lies inside `{sensor}`", part.name)),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -146,5 +204,135 @@ mod tests {
         };
         let last = |count| Some((count, "reference".to_owned()));
         assert_eq!(["sphere-a", "sphere-b", "rems"].map(beside), [last(5), last(7), None]);
+    }
+}
+
+#[cfg(test)]
+mod matching_tests {
+    use std::path::Path;
+
+    use super::*;
+    use recording::toml_file::TomlSource;
+
+    fn file(name: &str) -> TomlSource {
+        TomlSource::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../heads").join(name)).unwrap()
+    }
+
+    /// A user's head, which names a sensor of the project where that sensor's own file has a body.
+    fn naming(name: &str) -> TomlSource {
+        let mut source = file(&format!("{name}.toml"));
+        if let Some((elements, _)) = source.text.split_once("# What simulates it") {
+            let line = format!("name = \"{name}\"");
+            source.text = elements.replacen(&line, &format!("{line}\nsensor = \"{name}\""), 1);
+        }
+        source
+    }
+
+    fn refused(name: &str, from: &str, to: &str) -> String {
+        let mut source = naming(name);
+        assert!(source.text.contains(from), "{from}");
+        source.text = source.text.replacen(from, to, 1);
+        source.path = "h.toml".into();
+        construction_of(&Head::from_source(source).unwrap()).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_head_that_names_a_sensor_of_the_project_is_the_head_of_that_sensor() {
+        for name in Construction::NAMES {
+            let head = Head::from_source(naming(name)).unwrap();
+            assert_eq!((head.sensor.as_deref(), &head.body), (Some(name), &None));
+            let sensor = construction_of(&head).unwrap().unwrap();
+            let own = Head::from_source(file(&format!("{name}.toml"))).unwrap();
+            assert_eq!(construction_of(&own).unwrap(), Some(sensor.clone()));
+            assert_eq!((sensor.name(), head.name.as_str()), (name, name));
+            for (element, part) in head.elements.iter().zip(sensor.elements()) {
+                assert_eq!(element.name, part.name);
+                // Each head says where its outer elements look, as the powers of a real one are to
+                // be told apart by it.
+                assert_eq!(element.normal.is_some(), part.normal.is_some(), "{}", part.name);
+            }
+        }
+    }
+
+    #[test]
+    fn a_sphere_may_have_a_reference_as_its_last_element() {
+        for (name, count) in [("sphere-a", 5), ("sphere-b", 7)] {
+            let head = Head::from_source(file(&format!("{name}-reference.toml"))).unwrap();
+            let sensor = construction_of(&head).unwrap().unwrap();
+            assert_eq!((sensor.name(), sensor.elements().len(), head.elements.len()), (name, count, count));
+            assert_eq!(head.names().last(), Some(&"reference"));
+            // The others are those of the head without it.
+            let plain = Head::from_source(file(&format!("{name}.toml"))).unwrap();
+            assert_eq!(head.elements[..count - 1], plain.elements);
+        }
+        let file = "sphere-b-reference";
+        let sentence = refused(file, "name = \"reference\"", "name = \"gas\"");
+        assert!(sentence.contains("`elements[6].name` is `gas`, which `sphere-b` has not"), "{sentence}");
+        assert!(sentence.ends_with("; one more may be its `reference`"), "{sentence}");
+        let sentence = refused(file, "name = \"reference\"", "name = \"reference\"\nnormal = [1.0, 0.0, 0.0]");
+        assert!(
+            sentence.contains("`elements[6].normal` is given for `reference`, which is simulated as"),
+            "{sentence}"
+        );
+        let boom = "[[elements]]\nname = \"boom\"\nkind = \"boom\"";
+        let sentence = refused("rems", boom, &format!("{boom}\n\n{}", boom.replacen("boom", "reference", 1)));
+        assert!(
+            sentence.contains("is `reference`, which `rems` has not: it has 13 elements and the head 14"),
+            "{sentence}"
+        );
+        assert!(!sentence.contains("may be"), "{sentence}");
+    }
+
+    #[test]
+    fn a_head_with_other_elements_than_its_sensor_is_told_which() {
+        for (from, to, expected) in [
+            (
+                "sensor = \"sphere-b\"",
+                "sensor = \"sphere-c\"",
+                "`sensor` is `sphere-c`, which cannot be simulated; did you",
+            ),
+            (
+                "sensor = \"sphere-b\"",
+                "sensor = \"sphere-a\"",
+                "`elements[0].name` is `sector1`, but element 1 of `sphere-a` is `hemisphere1`",
+            ),
+            (
+                "name = \"core1\"",
+                "name = \"core3\"",
+                "`elements[4].name` is `core3`, but element 5 of `sphere-b` is `core1`",
+            ),
+            (
+                "[[elements]]\nname = \"core2\"\nkind = \"core\"",
+                "",
+                "`sensor` is `sphere-b`, but its element `core2` is missing here: it has 6 elements and the head 5",
+            ),
+            (
+                "[[elements]]\nname = \"core2\"",
+                "[[elements]]\nname = \"core2\"\nkind = \"core\"\n\n[[elements]]\nname = \"core3\"",
+                "`elements[6].name` is `core3`, which `sphere-b` has not: it has 6 elements and the head 7",
+            ),
+            (
+                "normal = [1.0, -1.0, -1.0]",
+                "normal = [1.0, -1.0, 1.0]",
+                "`elements[1].normal` turns `sector2` towards [0.577, -0.577, 0.577], but in `sphere-b` it looks towards",
+            ),
+            (
+                "name = \"core1\"",
+                "name = \"core1\"\nnormal = [0.0, 0.0, 1.0]",
+                "`elements[4].normal` is given for `core1`, which lies inside `sphere-b`",
+            ),
+        ] {
+            let sentence = refused("sphere-b", from, to);
+            assert!(sentence.starts_with("h.toml, line ") && sentence.contains(expected), "{to}: {sentence}");
+            assert!(!sentence.contains('\n'));
+        }
+    }
+
+    #[test]
+    fn a_head_without_sensor_and_body_may_be_anything() {
+        let mut source = naming("sphere-b");
+        source.text = source.text.replace("sensor = \"sphere-b\"", "").replace("\"core2\"", "\"inside\"");
+        let head = Head::from_source(source).unwrap();
+        assert_eq!((construction_of(&head).unwrap(), head.names()[5]), (None, "inside"));
     }
 }

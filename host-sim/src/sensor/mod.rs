@@ -4,16 +4,13 @@
 //! |---|---|
 //! | [`convection`] | conductance of every surface to the gas, for any wind vector |
 //! | `network` | thermal network in f64, integrated; never a diffusive model, so that identification meets something else |
-//! | `construction` | what a head is made of: its own `[body]`, or one of the project's heads by name |
-//! | `assembly`, `rod` | a network of it |
+//! | `construction` | what a head is made of: its own `[body]`, or one of the project's heads by name, which it must match |
+//! | `assembly` | a network of it, rods as cells |
 //! | `specimen` | one of many, where the file states tolerances |
 //! | `body` | what all of them do: take heat, lose it and account for it |
-//! | `cooled_stem` | stems from which the wind takes heat |
 //! | `survey` | steady powers, gains and time constants, without letting time pass |
-//! | `matching` | whether a head is the sensor that it names |
-//! | `config`, `error` | what a sensor is made from, and why it cannot be made |
+//! | `config`, `error` | what a sensor is made from, with swings of gas and support; why it cannot be made |
 //! | [`wind`] | held entries, and turbulence, gusts, sines and dust devils on top of them |
-//! | `temperature_swing` | a gas or a support whose temperature swings |
 //! | [`field`] | sun, sky, drifts, film properties, buoyancy, stem |
 //! | `front_end` | currents, resistors, converter, faults |
 //!
@@ -40,30 +37,22 @@ mod body;
 mod config;
 mod construction;
 pub mod convection;
-mod cooled_stem;
 mod error;
 pub mod field;
 mod front_end;
-mod matching;
 mod network;
-mod rod;
 mod simulated;
 mod specimen;
 mod survey;
-mod temperature_swing;
-mod truth;
 pub mod wind;
 
 pub use body::Flows;
-pub use config::{SensorConfig, TimedFault};
-pub use construction::Construction;
+pub use config::{SensorConfig, TemperatureSwing, TimedFault};
+pub use construction::{Construction, construction_of};
 pub use error::SensorError;
 pub use front_end::{Imperfections, ResistorFault};
-pub use matching::construction_of;
-pub use simulated::Sensor;
+pub use simulated::{Sensor, SensorTruth};
 pub use survey::{BodySurvey, OperatingPoint};
-pub use temperature_swing::TemperatureSwing;
-pub use truth::SensorTruth;
 pub use wind::{DirectionSwing, DustDevil, Gust, Sine, Spectrum, Turbulence, WindEntry};
 
 #[cfg(test)]

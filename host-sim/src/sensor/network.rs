@@ -23,6 +23,7 @@
 use std::ops::RangeInclusive;
 
 use anemometry::gas::ZERO_CELSIUS_K;
+use nalgebra::{DMatrix, DVector};
 
 /// Temperatures in which a capacity that depends on them is bounded, K.
 const CAPACITY_RANGE_K: RangeInclusive<f64> = 100.0..=700.0;
@@ -305,10 +306,11 @@ impl ThermalNetwork {
             let mut residual_w = self.net_heat_w(power_w);
             let mut matrix = self.jacobian_w_k();
             for &(node, _) in held_k {
-                matrix[node].fill(0.0);
-                (matrix[node][node], residual_w[node]) = (1.0, 0.0);
+                matrix.row_mut(node).fill(0.0);
+                (matrix[(node, node)], residual_w[node]) = (1.0, 0.0);
             }
-            let correction = solve(matrix, residual_w);
+            let correction = matrix.lu().solve(&DVector::from(residual_w));
+            let correction = correction.unwrap_or_else(|| DVector::from_element(self.len(), f64::NAN));
             for (temperature, correction) in self.temperature_k.iter_mut().zip(&correction) {
                 *temperature += correction;
             }
@@ -332,25 +334,20 @@ impl ThermalNetwork {
     pub fn time_constants_s(&self) -> Vec<f64> {
         let mut matrix = self.jacobian_w_k();
         let root: Vec<f64> = self.capacity_j_k.iter().map(|capacity_j_k| capacity_j_k.sqrt()).collect();
-        for (i, row) in matrix.iter_mut().enumerate() {
-            row.iter_mut().zip(&root).for_each(|(entry, other)| *entry /= root[i] * other);
-        }
-        let n = matrix.len();
-        let rates = nalgebra::DMatrix::from_fn(n, n, |i, j| matrix[i][j]).symmetric_eigenvalues();
+        let pairs = (0..self.len()).flat_map(|i| (0..self.len()).map(move |j| (i, j)));
+        pairs.for_each(|(i, j)| matrix[(i, j)] /= root[i] * root[j]);
+        let rates = matrix.symmetric_eigenvalues();
         let mut time_constants_s: Vec<f64> = rates.iter().map(|rate| 1.0 / rate).collect();
         time_constants_s.sort_by(|a, b| b.total_cmp(a));
         time_constants_s
     }
 
     /// Conductance matrix at the present temperatures, −∂(net heat)/∂T.
-    fn jacobian_w_k(&self) -> Vec<Vec<f64>> {
-        let mut matrix = vec![vec![0.0; self.len()]; self.len()];
-        for (i, total) in self.total_conductance_w_k().into_iter().enumerate() {
-            matrix[i][i] = total;
-        }
+    fn jacobian_w_k(&self) -> DMatrix<f64> {
+        let mut matrix = DMatrix::from_diagonal(&DVector::from(self.total_conductance_w_k()));
         for link in &self.paths.links {
-            matrix[link.a][link.b] -= link.conductance_w_k;
-            matrix[link.b][link.a] -= link.conductance_w_k;
+            matrix[(link.a, link.b)] -= link.conductance_w_k;
+            matrix[(link.b, link.a)] -= link.conductance_w_k;
         }
         matrix
     }
@@ -360,31 +357,6 @@ impl ThermalNetwork {
 fn factor(slope_per_k: f64, temperature_k: f64) -> f64 {
     let bounded_k = temperature_k.clamp(*CAPACITY_RANGE_K.start(), *CAPACITY_RANGE_K.end());
     1.0 + slope_per_k * (bounded_k - ZERO_CELSIUS_K)
-}
-
-/// Solves a small dense system by Gaussian elimination with partial pivoting.
-fn solve(mut matrix: Vec<Vec<f64>>, mut right: Vec<f64>) -> Vec<f64> {
-    let n = right.len();
-    for column in 0..n {
-        let pivot = (column..n).max_by(|&i, &j| matrix[i][column].abs().total_cmp(&matrix[j][column].abs()));
-        let pivot = pivot.unwrap_or(column);
-        matrix.swap(column, pivot);
-        right.swap(column, pivot);
-        let (upper, lower) = matrix.split_at_mut(column + 1);
-        let pivot_row = &upper[column];
-        for (offset, row) in lower.iter_mut().enumerate() {
-            let factor = row[column] / pivot_row[column];
-            for (value, pivot_value) in row[column..].iter_mut().zip(&pivot_row[column..]) {
-                *value -= factor * pivot_value;
-            }
-            right[column + 1 + offset] -= factor * right[column];
-        }
-    }
-    for row in (0..n).rev() {
-        let known: f64 = (row + 1..n).map(|k| matrix[row][k] * right[k]).sum();
-        right[row] = (right[row] - known) / matrix[row][row];
-    }
-    right
 }
 
 #[cfg(test)]
@@ -421,7 +393,7 @@ mod tests {
         let mut system = DMatrix::<f64>::zeros(n + 1, n + 1);
         for i in 0..n {
             for j in 0..n {
-                system[(i, j)] = -conductance[i][j] / network.capacity_j_k(i);
+                system[(i, j)] = -conductance[(i, j)] / network.capacity_j_k(i);
             }
         }
         let fixed = [0.0, 5e-4 * 220.0, 1.2e-3 * 230.0];

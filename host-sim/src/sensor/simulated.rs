@@ -5,20 +5,18 @@
 //! pass under them, [`Sensor::codes`] is what the converter then reads and [`Sensor::truth`] what
 //! only a simulation knows.
 
+use anemometry::gas::{IdealGas, ZERO_CELSIUS_K};
 use dr_core::sensor::FrontEndInput;
 use dr_core::sensor::reading::REFERENCE_CODE;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-use super::body::ThermalBody;
-use super::config::{SensorConfig, TimedFault};
+use super::body::{Flows, ThermalBody};
+use super::config::{SensorConfig, TemperatureSwing, TimedFault};
 use super::error::{SensorError, require};
 use super::field::AppliedField;
 use super::front_end::SimulatedFrontEnd;
-use super::temperature_swing::TemperatureSwing;
-use super::truth::SensorTruth;
 use super::wind::SimulatedWind;
-use anemometry::gas::{IdealGas, ZERO_CELSIUS_K};
 
 /// More steps of the integration in a sample period would take for ever.
 const MOST_SUBSTEPS: usize = 20_000;
@@ -237,4 +235,32 @@ fn checked_faults(faults: &[TimedFault], elements: usize) -> Result<Vec<TimedFau
     let mut faults = faults.to_vec();
     faults.sort_by(|a, b| b.start_s.total_cmp(&a.start_s));
     Ok(faults)
+}
+
+/// The true state at the end of the last sample period; powers and heat flows are means over it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SensorTruth {
+    /// Since the start, s.
+    pub time_s: f64,
+    /// Of every element, °C.
+    pub element_temperature_c: Vec<f64>,
+    /// Of every surface, in the order of
+    /// [`Sensor::surface_names`](super::Sensor::surface_names).
+    pub surface_temperature_c: Vec<f64>,
+    /// Mean heat flows.
+    pub flows: Flows,
+    /// Temperature of the gas, °C.
+    pub gas_temperature_c: f64,
+    /// Wind vector, m/s.
+    pub wind_m_s: [f64; 3],
+    /// The wind was beyond what is known of convection from this body, which is then an
+    /// extrapolation.
+    pub wind_extrapolated: bool,
+}
+
+impl SensorTruth {
+    /// All heat that leaves a surface: to gas, surroundings and the inside.
+    pub fn surface_loss_w(&self, surface: usize) -> f64 {
+        self.flows.convection_w[surface] + self.flows.radiation_w[surface] + self.flows.conduction_w[surface]
+    }
 }

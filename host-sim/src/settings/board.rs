@@ -7,10 +7,9 @@ use dr_core::{Command, Instrument};
 use wire::settings::KeyNumber;
 use wire::{MOST_ELEMENTS, Setting, SettingsRefusal, SettingsReply, SettingsRequest};
 
-use super::error::SettingsError;
 use super::kept::KeptSetting;
-use super::names;
-use crate::instrument::board_room::fits_boards;
+use super::names::{self, SettingsError};
+use crate::instrument::setup::fits_boards;
 use crate::instrument::{InstrumentError, SettingsPort};
 use anemometry::head::Head;
 use anemometry::head::WindOutput;

@@ -5,13 +5,12 @@
 //! set up by, unless another firmware wrote it.
 
 mod board;
-mod error;
 pub mod file;
 mod kept;
 pub mod names;
 mod report;
 
 pub use board::{change, of_head, read_all, rehearse, sample_period_s, usable};
-pub use error::SettingsError;
 pub use kept::{KeptSetting, content, default_of};
+pub use names::SettingsError;
 pub use report::{SettingReport, SettingsReport};

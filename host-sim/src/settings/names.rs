@@ -6,11 +6,9 @@ use std::collections::BTreeMap;
 use dr_core::Command;
 use dr_core::control::GuardConfig;
 use dr_core::wind::WindCommand;
+use recording::text::suggest;
 use wire::settings::{KeyNumber, SettingKey, SettingKind};
 use wire::{Name, Setting};
-
-use super::error::SettingsError;
-use recording::text::suggest;
 
 /// Keys that `set` takes with a value.
 pub const PLAIN: [&str; 11] = [
@@ -177,6 +175,11 @@ fn gas(
     let temperature_c = new_c.or(kept.and_then(|(_, temperature_c)| temperature_c));
     Ok(Setting::Command(Command::Wind(WindCommand::Gas { pressure_pa, temperature_c })))
 }
+
+/// Names the key, what is wrong with it, and what would be right.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{0}")]
+pub struct SettingsError(pub(super) String);
 
 #[cfg(test)]
 mod tests {

@@ -10,9 +10,14 @@
 //! in the bias, and linear in a stream of two symbols.
 
 use dr_core::model::mesh;
+use recording::toml_file::{FileError, TomlSource};
+use serde::Deserialize;
+
+/// Most relaxations of a bank.
+const MOST_ORDER: usize = 100;
 
 /// The sign of the bias under which carriers charge the dielectric.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Polarity {
     /// V > 0.
@@ -22,7 +27,8 @@ pub enum Polarity {
 }
 
 /// Carriers of one kind.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Carriers {
     /// Bias that charges them.
     pub polarity: Polarity,
@@ -32,19 +38,39 @@ pub struct Carriers {
     pub at_bias_v: f64,
     /// V₀, V.
     pub scale_v: f64,
-    /// ξ_k, rad/s.
-    pub rates_rad_s: Vec<f64>,
-    /// w_k, with sum 1.
-    pub weights: Vec<f64>,
+    /// Longest time constant of the bank, s.
+    pub slowest_s: f64,
+    /// Shortest time constant of the bank, s.
+    pub fastest_s: f64,
+    /// Number of relaxations.
+    pub order: usize,
+    /// Power of the time constants with which the weights grow.
+    #[serde(default)]
+    pub slope: f64,
 }
 
 impl Carriers {
-    /// Relaxations on a logarithmic grid, whose weights grow with the `slope`-th power of their
-    /// time constants.
-    pub fn bank(slowest_s: f64, fastest_s: f64, order: usize, slope: f64) -> (Vec<f64>, Vec<f64>) {
-        let rate_rad_s = |k| mesh::rate_rad_s(1.0 / slowest_s, 1.0 / fastest_s, k, order);
-        let rates_rad_s: Vec<f64> = (0..order).map(rate_rad_s).collect();
-        let weights: Vec<f64> = rates_rad_s.iter().map(|rate| rate.powf(-slope)).collect();
+    pub(super) fn check(&self, source: &TomlSource, place: &str) -> Result<(), FileError> {
+        let key = |key: &str| format!("{place}.{key}");
+        source.within(&key("steady_shift_v"), self.steady_shift_v, -1e3..=1e3, "V")?;
+        source.positive(&key("at_bias_v"), self.at_bias_v, "V")?;
+        source.positive(&key("scale_v"), self.scale_v, "V")?;
+        source.positive(&key("fastest_s"), self.fastest_s, "s")?;
+        source.positive(&key("slowest_s"), self.slowest_s, "s")?;
+        source.within(&key("slope"), self.slope, -3.0..=3.0, "")?;
+        source.within(&key("order"), self.order as f64, 1.0..=MOST_ORDER as f64, "")?;
+        if self.slowest_s < self.fastest_s || (self.order > 1 && self.slowest_s == self.fastest_s) {
+            let sentence = format!("is {} s: it must lie above `fastest_s`, {} s", self.slowest_s, self.fastest_s);
+            return Err(source.refuse(&key("slowest_s"), sentence));
+        }
+        Ok(())
+    }
+
+    /// Rates ξ_k on a logarithmic grid, rad/s, and their weights w_k with sum 1.
+    pub fn bank(&self) -> (Vec<f64>, Vec<f64>) {
+        let rate_rad_s = |k| mesh::rate_rad_s(1.0 / self.slowest_s, 1.0 / self.fastest_s, k, self.order);
+        let rates_rad_s: Vec<f64> = (0..self.order).map(rate_rad_s).collect();
+        let weights: Vec<f64> = rates_rad_s.iter().map(|rate| rate.powf(-self.slope)).collect();
         let sum: f64 = weights.iter().sum();
         (rates_rad_s, weights.iter().map(|weight| weight / sum).collect())
     }

@@ -63,7 +63,8 @@ impl DeviceCheck {
             bias_v: [shape.negative_v, shape.positive_v],
             parts_s: [shape.symbol_time_s - second_s, second_s],
             shift_noise_v: device.shift_noise_v(shape),
-            single_shift_v_per_percent: 0.01 * device.offset_f / (2.0 * device.curvature_f_v2 * shape.positive_v.abs()),
+            single_shift_v_per_percent: 0.01 * device.capacitor.offset_f
+                / (2.0 * device.capacitor.curvature_f_v2 * shape.positive_v.abs()),
             phases: experiment.phases.iter().map(phase).collect(),
             is_simulated: device.simulation.is_some(),
         }

@@ -15,7 +15,6 @@
 
 mod check;
 mod read;
-mod table;
 
 use dr_core::Command;
 use dr_core::control::{Drive, GuardConfig};
@@ -24,8 +23,8 @@ use recording::toml_file::{FileError, TomlSource};
 pub use check::{CheckedPhase, DeviceCheck};
 
 use crate::device::Device;
+use crate::port::SymbolShape;
 use crate::simulated::{SimulatedDevice, SurroundingsPoint};
-use crate::symbol::SymbolShape;
 
 /// A checked experiment with its device.
 #[derive(Debug, Clone, PartialEq)]

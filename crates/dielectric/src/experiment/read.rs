@@ -4,20 +4,71 @@ use std::path::Path;
 
 use dr_core::control::Drive;
 use dr_core::sensor::Level;
-use dr_core::signal::Prbs;
 use host_sim::experiment::TickGrid;
 use recording::toml_file::{FileError, TomlSource};
+use serde::Deserialize;
 
-use super::table::{DeviceExperimentTable, HoldTable, PrbsTable, SurroundingsTable, SymbolDriveTable};
 use super::{DeviceExperiment, DevicePhase};
 use crate::device::Device;
+use crate::port::SymbolShape;
 use crate::simulated::SurroundingsPoint;
-use crate::symbol::SymbolShape;
 
 /// Symbols between 100 Hz and 0.1 Hz, the longest tick of a controller.
 const SYMBOL_TIMES_S: std::ops::RangeInclusive<f64> = 0.01..=10.0;
 /// Of the integrator of a loop of second order, if none is given.
 const GAIN: f64 = 0.1;
+
+/// The file as it is written.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DeviceExperimentTable {
+    title: String,
+    device: String,
+    symbol_time_s: f64,
+    duration_s: f64,
+    #[serde(default)]
+    seed: u64,
+    unreachable_after_s: Option<f64>,
+    drive: SymbolDriveTable,
+    symbols: SymbolShape,
+    #[serde(default)]
+    changes: Vec<PhaseTable>,
+    #[serde(default)]
+    surroundings: Vec<SurroundingsPoint>,
+}
+
+/// A drive: a word, or a table of one key.
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+enum SymbolDriveTable {
+    Zero,
+    Symbol(i8),
+    MeanSymbol(f64),
+    Prbs {
+        order: u8,
+        bit_time_s: f64,
+        seed: u32,
+    },
+    Hold {
+        shift_v: f64,
+        #[serde(default = "first")]
+        order: u8,
+        gain: Option<f64>,
+    },
+}
+
+const fn first() -> u8 {
+    1
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PhaseTable {
+    start_s: f64,
+    drive: SymbolDriveTable,
+    #[serde(default)]
+    label: String,
+}
 
 impl DeviceExperiment {
     /// Reads an experiment and its device.
@@ -35,10 +86,7 @@ impl DeviceExperiment {
     pub fn from_source(source: TomlSource) -> Result<Self, FileError> {
         let table: DeviceExperimentTable = source.parse()?;
         let folder = source.path.parent().unwrap_or(Path::new(""));
-        let device = Device::read(&folder.join(&table.device)).map_err(|error| match error.line {
-            None => source.refuse("device", format!("cannot be used: {error}")),
-            Some(_) => error,
-        })?;
+        let device = Device::read(&folder.join(&table.device)).map_err(|error| source.unusable("device", error))?;
         let symbol_time_s = source.within("symbol_time_s", table.symbol_time_s, SYMBOL_TIMES_S, "s")?;
         let grid = TickGrid::new(&source, symbol_time_s, table.duration_s)?;
         if grid.ticks < 2 {
@@ -48,7 +96,7 @@ impl DeviceExperiment {
         }
         let shape = shape(&source, &device, &table, symbol_time_s)?;
         let noise_v = device.shift_noise_v(&shape);
-        if noise_v > device.shift_max_v {
+        if noise_v > device.limits.shift_max_v {
             let sentence = format!(
                 "is so near `negative_v` that the noise of the meter is {noise_v:.3} V of voltage shift, more than `shift_max_v`: take voltages further apart"
             );
@@ -66,18 +114,18 @@ impl DeviceExperiment {
                 let sentence = format!("is {} s: changes must come in the order of their start", change.start_s);
                 return Err(source.refuse(&key("start_s"), sentence));
             }
-            let label = change.label.clone().unwrap_or_default();
+            let label = change.label.clone();
             phases.push(DevicePhase { tick, label, drive: reader.drive(&key("drive"), &change.drive)? });
         }
-        let ticks = grid.ticks;
+        check_surroundings(&source, &table.surroundings)?;
         Ok(Self {
             title: table.title,
             shape,
-            ticks,
+            ticks: grid.ticks,
             seed: table.seed,
             unreachable_ticks: unreachable.transpose()?.unwrap_or(u32::MAX - 1),
             phases,
-            surroundings: surroundings(&source, &table.surroundings)?,
+            surroundings: table.surroundings,
             device,
             source,
         })
@@ -93,7 +141,7 @@ fn shape(
 ) -> Result<SymbolShape, FileError> {
     let symbols = &table.symbols;
     for (key, bias_v) in [("symbols.positive_v", symbols.positive_v), ("symbols.negative_v", symbols.negative_v)] {
-        let most_v = device.bias_max_v;
+        let most_v = device.limits.bias_max_v;
         if !(-most_v..=most_v).contains(&bias_v) {
             let sentence = format!(
                 "is {bias_v} V: device `{}` bears at most {most_v} V either way (`bias_max_v` of its file)",
@@ -101,12 +149,12 @@ fn shape(
             );
             return Err(source.refuse(key, sentence));
         }
-        if bias_v.abs() + device.shift_max_v >= device.pull_in_v {
+        if bias_v.abs() + device.limits.shift_max_v >= device.capacitor.pull_in_v {
             let sentence = format!(
                 "is {bias_v} V: with a voltage shift of up to {} V (`shift_max_v`) that reaches pull-in, {} V; {:.3} V would not",
-                device.shift_max_v,
-                device.pull_in_v,
-                device.pull_in_v - device.shift_max_v
+                device.limits.shift_max_v,
+                device.capacitor.pull_in_v,
+                device.capacitor.pull_in_v - device.limits.shift_max_v
             );
             return Err(source.refuse(key, sentence));
         }
@@ -115,28 +163,24 @@ fn shape(
         let sentence = format!("is {} V: it must lie below `positive_v`, {} V", symbols.negative_v, symbols.positive_v);
         return Err(source.refuse("symbols.negative_v", sentence));
     }
-    let second_share = source.within("symbols.second_share", symbols.second_share, 0.001..=0.999, "")?;
-    Ok(SymbolShape { positive_v: symbols.positive_v, negative_v: symbols.negative_v, second_share, symbol_time_s })
+    source.within("symbols.second_share", symbols.second_share, 0.001..=0.999, "")?;
+    Ok(SymbolShape { symbol_time_s, ..*symbols })
 }
 
-fn surroundings(source: &TomlSource, tables: &[SurroundingsTable]) -> Result<Vec<SurroundingsPoint>, FileError> {
-    let mut points: Vec<SurroundingsPoint> = Vec::with_capacity(tables.len());
-    for (index, table) in tables.iter().enumerate() {
+fn check_surroundings(source: &TomlSource, points: &[SurroundingsPoint]) -> Result<(), FileError> {
+    for (index, point) in points.iter().enumerate() {
         let key = |key: &str| format!("surroundings[{index}].{key}");
-        source.within(&key("start_s"), table.start_s, 0.0..=f64::MAX, "s")?;
-        source.within(&key("temperature_c"), table.temperature_c, -273.15..=1000.0, "°C")?;
-        source.within(&key("humidity_percent"), table.humidity_percent, 0.0..=100.0, "%")?;
-        if points.last().is_some_and(|before| before.start_s >= table.start_s) {
-            let sentence = format!("is {} s: points must come in the order of their start", table.start_s);
+        source.within(&key("start_s"), point.start_s, 0.0..=f64::MAX, "s")?;
+        source.within(&key("temperature_c"), point.temperature_c, -273.15..=1000.0, "°C")?;
+        source.within(&key("humidity_percent"), point.humidity_percent, 0.0..=100.0, "%")?;
+        if index > 0 && points[index - 1].start_s >= point.start_s {
+            let sentence = format!("is {} s: points must come in the order of their start", point.start_s);
             return Err(source.refuse(&key("start_s"), sentence));
         }
-        let SurroundingsTable { start_s, temperature_c, humidity_percent } = *table;
-        points.push(SurroundingsPoint { start_s, temperature_c, humidity_percent });
     }
-    Ok(points)
+    Ok(())
 }
 
-/// What drives are checked against.
 struct SymbolDriveReader<'a> {
     grid: &'a TickGrid<'a>,
     device: &'a Device,
@@ -156,25 +200,18 @@ impl SymbolDriveReader<'_> {
                 let power_w = source.within(&format!("{key}.mean_symbol"), *mean, -1.0..=1.0, "")? as f32;
                 Drive::Power { power_w }
             }
-            SymbolDriveTable::Prbs(prbs) => self.prbs(&format!("{key}.prbs"), prbs)?,
-            SymbolDriveTable::Hold(hold) => self.hold(&format!("{key}.hold"), hold)?,
+            SymbolDriveTable::Prbs { order, bit_time_s, seed } => {
+                self.grid.prbs(&format!("{key}.prbs"), *order, *bit_time_s, *seed)?
+            }
+            SymbolDriveTable::Hold { shift_v, order, gain } => {
+                self.hold(&format!("{key}.hold"), *shift_v, *order, *gain)?
+            }
         })
     }
 
-    fn prbs(&self, key: &str, &PrbsTable { order, bit_time_s, seed }: &PrbsTable) -> Result<Drive, FileError> {
+    fn hold(&self, key: &str, shift_v: f64, order: u8, gain: Option<f64>) -> Result<Drive, FileError> {
         let source = self.grid.source;
-        let ticks_per_bit = self.grid.whole_ticks(&format!("{key}.bit_time_s"), bit_time_s)?;
-        source.within(&format!("{key}.order"), f64::from(order), 2.0..=32.0, "")?;
-        Prbs::new(order, seed).map_err(|error| {
-            let sentence = format!("is {seed}: {error}");
-            source.refuse(&format!("{key}.seed"), sentence.replace("`seed` ", "it "))
-        })?;
-        Ok(Drive::Prbs { order, seed, ticks_per_bit })
-    }
-
-    fn hold(&self, key: &str, &HoldTable { shift_v, order, gain }: &HoldTable) -> Result<Drive, FileError> {
-        let source = self.grid.source;
-        let most_v = self.device.shift_max_v;
+        let most_v = self.device.limits.shift_max_v;
         let target = source.within(&format!("{key}.shift_v"), shift_v, -most_v..=most_v, "V")? as f32;
         match order {
             1 if gain.is_some() => Err(source

@@ -1,13 +1,11 @@
-//! The meter as a device port.
+//! The meter as a device port, and its settings.
 
-use super::answer;
-use super::error::MeterError;
-use super::link::MeterLink;
-use super::settings::MeterSettings;
-use super::symbol_clock::{LateSymbols, SymbolClock};
-use crate::port::{DevicePort, PortError, SymbolReadings};
-use crate::symbol::{ChargeSymbol, SymbolShape};
+use crate::port::{ChargeSymbol, DevicePort, PortError, SymbolReadings, SymbolShape};
 use std::time::{Duration, Instant};
+
+use super::error::MeterError;
+use super::link::{MeterLink, capacitance_f, number, switch};
+use super::symbol_clock::{LateSymbols, SymbolClock};
 
 /// Coarsest step of the meter's bias source, 20 V and above: a bias is read back as near as that.
 const BIAS_STEP_V: f64 = 0.005;
@@ -27,7 +25,7 @@ const SMOOTHING: u32 = 8;
 /// ```
 /// use dielectric::meter::{MeterSettings, PretendedMeter, ScpiMeter};
 /// use dielectric::port::DevicePort;
-/// use dielectric::symbol::{ChargeSymbol, SymbolShape};
+/// use dielectric::port::{ChargeSymbol, SymbolShape};
 ///
 /// let device = Box::new(|bias_v: f64, _held| Some(1e-12 + 1e-15 * bias_v * bias_v));
 /// let pretended = PretendedMeter::start(Default::default(), device)?;
@@ -169,16 +167,16 @@ impl ScpiMeter {
         // Refused, it would leave the reading before this one to be fetched.
         self.link.command(":TRIG:IMM")?;
         let (complete, command) = ("*OPC?", ":FETC?");
-        answer::switch(complete, &self.link.query(complete)?)?;
-        answer::capacitance_f(command, &self.link.query(command)?)
+        switch(complete, &self.link.query(complete)?)?;
+        capacitance_f(command, &self.link.query(command)?)
     }
 
     /// Reads the bias back: a meter without Option 001, another program or a finger on the front
     /// panel may have set it otherwise.
     fn confirm(&mut self, commanded_v: f64, commanded_on: bool) -> Result<(), MeterError> {
         let (voltage, state) = (":BIAS:VOLT?", ":BIAS:STAT?");
-        let found_v = answer::number(voltage, &self.link.query(voltage)?)?;
-        let found_on = answer::switch(state, &self.link.query(state)?)?;
+        let found_v = number(voltage, &self.link.query(voltage)?)?;
+        let found_on = switch(state, &self.link.query(state)?)?;
         if (found_v - commanded_v).abs() <= BIAS_STEP_V && found_on == commanded_on {
             return Ok(());
         }
@@ -252,4 +250,50 @@ fn length(part_s: f64) -> Result<Duration, MeterError> {
 
 fn sleep_until(moment: Instant) {
     std::thread::sleep(moment.saturating_duration_since(Instant::now()));
+}
+
+/// How a meter measures, and what it may apply.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeterSettings {
+    /// Frequency of the oscillator, Hz.
+    pub frequency_hz: f64,
+    /// Level of the oscillator, V rms. It pulls at the membrane as a bias does.
+    pub level_v: f64,
+    /// Largest bias of either sign that may reach the device, V.
+    pub most_bias_v: f64,
+    /// How long a connection or an answer may take, s: longer than a measurement and a reset, which
+    /// take up to a second at low frequencies.
+    pub timeout_s: f64,
+}
+
+impl MeterSettings {
+    /// The time-out.
+    fn check(&self) -> Result<Duration, MeterError> {
+        let positive = [("frequency_hz", self.frequency_hz), ("level_v", self.level_v), ("timeout_s", self.timeout_s)];
+        let wrong = positive.into_iter().find(|(_, value)| !(value.is_finite() && *value > 0.0));
+        if let Some((name, value)) = wrong {
+            return Err(MeterError::Unusable(format!("{name} is {value}: a number above 0 is needed")));
+        }
+        if !(self.most_bias_v.is_finite() && self.most_bias_v >= 0.0) {
+            let value = self.most_bias_v;
+            return Err(MeterError::Unusable(format!("most_bias_v is {value}: a number from 0 is needed")));
+        }
+        // A socket refuses a time-out of zero, which a very small one would round to.
+        let timeout = Duration::try_from_secs_f64(self.timeout_s).unwrap_or(Duration::MAX);
+        if timeout < Duration::from_millis(1) || timeout > Duration::from_secs(3600) {
+            let value = self.timeout_s;
+            return Err(MeterError::Unusable(format!("timeout_s is {value}: 0.001 to 3600 is possible")));
+        }
+        Ok(timeout)
+    }
+
+    /// Whether a bias may be applied.
+    fn allow(&self, bias_v: f64) -> Result<(), MeterError> {
+        let most_v = self.most_bias_v;
+        // Also refuses what is not a number.
+        if bias_v.abs() <= most_v {
+            return Ok(());
+        }
+        Err(MeterError::Unusable(format!("a bias of {bias_v} V is beyond most_bias_v, which is {most_v} V")))
+    }
 }

@@ -1,11 +1,11 @@
 //! Lines to a meter and lines back, none of them waited for beyond the time-out.
+//! An address is `HOST` or `HOST:PORT`. Answers become numbers, switches and capacitances.
 
-use super::address;
-use super::answer;
-use super::error::MeterError;
 use std::io::{self, ErrorKind, Read, Write};
-use std::net::{SocketAddr, TcpStream};
+use std::net::{SocketAddr, TcpStream, ToSocketAddrs};
 use std::time::{Duration, Instant};
+
+use super::error::MeterError;
 
 /// A longer answer is none.
 const LONGEST_ANSWER: usize = 4_096;
@@ -23,7 +23,7 @@ pub(super) struct MeterLink {
 
 impl MeterLink {
     pub(super) fn connect(address: &str, timeout: Duration) -> Result<Self, MeterError> {
-        let (stream, at) = address::connect(address, timeout)?;
+        let (stream, at) = dialled(address, timeout)?;
         let ready = ready(&stream, timeout);
         ready.map_err(|source| MeterError::Unreachable { address: address.to_owned(), source })?;
         Ok(Self { stream, at, timeout, received: Vec::new() })
@@ -61,7 +61,7 @@ impl MeterLink {
 
     /// Takes the oldest error from the meter's queue.
     pub(super) fn next_error(&mut self) -> Result<Option<String>, MeterError> {
-        answer::queued_error(NEXT_ERROR, &self.query(NEXT_ERROR)?)
+        queued_error(NEXT_ERROR, &self.query(NEXT_ERROR)?)
     }
 
     /// Sends a command, and reads its answer of one line.
@@ -153,6 +153,84 @@ fn ready(stream: &TcpStream, timeout: Duration) -> io::Result<()> {
     stream.set_write_timeout(Some(timeout))
 }
 
+/// Where instruments listen for SCPI.
+const PORT: u16 = 5025;
+
+/// Connects to a name, an IPv4 or an IPv6 address, with or without a port; an IPv6 address with a
+/// port is in brackets. The time-out is that of each address of a name; looking the name up takes
+/// as long as the system lets it.
+fn dialled(address: &str, timeout: Duration) -> Result<(TcpStream, SocketAddr), MeterError> {
+    let unreachable = |source| MeterError::Unreachable { address: address.to_owned(), source };
+    let (host, port) = split(address)?;
+    let mut last = io::Error::new(io::ErrorKind::NotFound, "the name has no address");
+    for at in (host, port).to_socket_addrs().map_err(unreachable)? {
+        match TcpStream::connect_timeout(&at, timeout) {
+            Ok(stream) => return Ok((stream, at)),
+            Err(error) => last = error,
+        }
+    }
+    Err(unreachable(last))
+}
+
+fn split(address: &str) -> Result<(&str, u16), MeterError> {
+    let (host, port) = match address.strip_prefix('[').and_then(|rest| rest.split_once(']')) {
+        Some((host, "")) => (host, None),
+        Some((host, rest)) => (host, Some(rest.strip_prefix(':').unwrap_or(rest))),
+        // More than one colon is an IPv6 address without a port.
+        None => match address.split_once(':') {
+            Some((host, port)) if !port.contains(':') => (host, Some(port)),
+            _ => (address, None),
+        },
+    };
+    let port = match port {
+        None => Ok(PORT),
+        Some(port) => port.parse(),
+    };
+    match port {
+        Ok(port) if !host.is_empty() && !host.contains(['[', ']']) => Ok((host, port)),
+        _ => {
+            let needed = format!("HOST or HOST:PORT is needed, as 192.168.0.7 or [fe80::7]:{PORT}");
+            Err(MeterError::Unusable(format!("{address:?} is no address of a meter: {needed}")))
+        }
+    }
+}
+
+/// What stands where a number would, if there is none.
+const NO_NUMBER: f64 = 9.9e37;
+
+/// A number.
+pub(super) fn number(command: &str, answer: &str) -> Result<f64, MeterError> {
+    let number = answer.trim().parse().ok().filter(|number: &f64| number.is_finite());
+    number.ok_or_else(|| MeterError::Garbled { command: command.to_owned(), answer: answer.to_owned() })
+}
+
+/// Whether a switch is on.
+pub(super) fn switch(command: &str, answer: &str) -> Result<bool, MeterError> {
+    match answer.trim().trim_start_matches('+') {
+        "0" => Ok(false),
+        "1" => Ok(true),
+        _ => Err(MeterError::Garbled { command: command.to_owned(), answer: answer.to_owned() }),
+    }
+}
+
+/// Capacitance of `<C>,<D>,<status>[,<bin>]` in F; none at a status other than 0.
+pub(super) fn capacitance_f(command: &str, answer: &str) -> Result<Option<f64>, MeterError> {
+    let fields: Vec<&str> = answer.split(',').collect();
+    let [capacitance, loss, status, ..] = fields[..] else {
+        return Err(MeterError::CutShort { command: command.to_owned(), answer: answer.to_owned() });
+    };
+    // An answer is whole or it is nothing: D is not needed, but it has to be there.
+    number(command, loss)?;
+    let (capacitance_f, status) = (number(command, capacitance)?, number(command, status)?);
+    Ok((status == 0.0 && capacitance_f.abs() < NO_NUMBER).then_some(capacitance_f))
+}
+
+/// An entry of the queue of errors; none if the queue is empty.
+pub(super) fn queued_error(command: &str, answer: &str) -> Result<Option<String>, MeterError> {
+    let (code, _) = answer.split_once(',').unwrap_or((answer, ""));
+    Ok((number(command, code)? != 0.0).then(|| answer.to_owned()))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -175,5 +253,54 @@ mod tests {
         assert!(sentence.starts_with("the meter's answer to *IDN? "), "{sentence}");
         drop(link);
         flood.join().expect("it ends with the connection");
+    }
+}
+
+#[cfg(test)]
+mod address_tests {
+    use super::*;
+
+    #[test]
+    fn names_and_addresses_come_with_a_port_or_without() {
+        for (address, expected) in [
+            ("meter", ("meter", 5025)),
+            ("meter.example.org:7", ("meter.example.org", 7)),
+            ("10.0.0.1:65535", ("10.0.0.1", 65535)),
+            ("::1", ("::1", 5025)),
+            ("[::1]", ("::1", 5025)),
+            ("[fe80::7]:80", ("fe80::7", 80)),
+        ] {
+            assert_eq!(split(address).expect(address), expected);
+        }
+        for wrong in ["", ":5025", "meter:", "meter:x", "meter:70000", "[::1", "[::1]5025x", "[]:5025"] {
+            let sentence = split(wrong).expect_err(wrong).to_string();
+            assert!(sentence.contains("HOST:PORT is needed"), "{sentence}");
+        }
+    }
+}
+
+#[cfg(test)]
+mod answer_tests {
+    use super::*;
+
+    #[test]
+    fn a_reading_is_there_or_missing_or_garbled() {
+        let read = |answer| capacitance_f(":FETC?", answer);
+        assert_eq!(read("+1.234567890E-12,+1.0E-03,+0").expect("a reading"), Some(1.23456789e-12));
+        assert_eq!(read("-1.2E-15,-1.0E-03,+0,+1").expect("a bin behind it"), Some(-1.2e-15));
+        for missing in ["+9.9E+37,+9.9E+37,+1", "+9.9E+37,+9.9E+37,+0", "+1E-12,+1E-3,+3", "+1E-12,+1E-3,-1"] {
+            assert_eq!(read(missing).expect("an answer"), None, "{missing}");
+        }
+        assert!(matches!(read("+1.2E-12,+1"), Err(MeterError::CutShort { .. })));
+        for garbled in ["x,+1E-3,+0", "+1E-12,,+0", "+1E-12,+1E-3,", "nan,+1E-3,+0", "+1E-12,inf,+0", "1,2,3x"] {
+            assert!(matches!(read(garbled), Err(MeterError::Garbled { .. })), "{garbled}");
+        }
+    }
+
+    #[test]
+    fn an_empty_queue_is_no_error() {
+        assert_eq!(queued_error("", "+0,\"No error\"").expect("an answer"), None);
+        assert_eq!(queued_error("", "-222,\"x\"").expect("an answer").as_deref(), Some("-222,\"x\""));
+        assert!(queued_error("", "#!").is_err());
     }
 }

@@ -26,19 +26,15 @@
 //! and read back, over a new connection if the old one is of no use. What is read back is the
 //! setting, not a voltage that somebody has measured at the device.
 
-mod address;
-mod answer;
 mod client;
 mod error;
 mod link;
 pub mod pretended;
-mod settings;
 mod symbol_clock;
 #[cfg(test)]
 mod tests;
 
-pub use client::ScpiMeter;
+pub use client::{MeterSettings, ScpiMeter};
 pub use error::MeterError;
 pub use pretended::PretendedMeter;
-pub use settings::MeterSettings;
 pub use symbol_clock::LateSymbols;

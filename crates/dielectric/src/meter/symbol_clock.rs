@@ -5,7 +5,7 @@
 //! clock begins anew.
 
 use super::error::MeterError;
-use crate::symbol::SymbolShape;
+use crate::port::SymbolShape;
 use std::time::{Duration, Instant};
 
 /// Lateness that does not count, in per cent of the symbol time.

@@ -1,7 +1,7 @@
 use super::pretended::{Misbehaviour, MisbehaviourKind, PretendedDevice, PretendedSettings};
 use super::{MeterError, MeterSettings, PretendedMeter, ScpiMeter};
+use crate::port::{ChargeSymbol, SymbolShape};
 use crate::port::{DevicePort, PortError};
-use crate::symbol::{ChargeSymbol, SymbolShape};
 use std::net::{Ipv6Addr, SocketAddr};
 use std::time::{Duration, Instant};
 

@@ -11,14 +11,13 @@ use diffusive::predict::analysis::{LoopConditions, analyse};
 use diffusive::predict::loop_model::LoopModel;
 use dr_core::control::Drive;
 use host_sim::instrument::in_process::InProcess;
-use recording::RecordingRow;
 
 pub use locking::{Plateau, ResponsePart, SymbolResponse};
 pub use report::{DevicePrediction, HeldPhase};
 
 use crate::experiment::DeviceExperiment;
 use crate::run::{DeviceTrip, run};
-use host_sim::run::RunError;
+use host_sim::run::{RowSink, RunError};
 use modelled::{ModelledDevice, SymbolInputs};
 
 /// Longest stream of a plateau that is looked for, symbols.
@@ -50,7 +49,7 @@ pub enum DevicePredictError {
 pub fn predict(
     model: &Model,
     experiment: &DeviceExperiment,
-    sink: &mut dyn FnMut(&RecordingRow) -> Result<(), RunError>,
+    sink: RowSink,
 ) -> Result<DevicePrediction, DevicePredictError> {
     let inputs = SymbolInputs::of(model)?;
     let symbol_time_s = experiment.shape.symbol_time_s;

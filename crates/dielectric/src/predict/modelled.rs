@@ -4,9 +4,9 @@ use diffusive::model::{Forward, Model, ModelError, Pair};
 use recording::BITS;
 
 use super::locking::{ResponsePart, SymbolResponse};
-use crate::device::Device;
+use crate::device::{Device, MemsCapacitor};
+use crate::port::{ChargeSymbol, SymbolShape};
 use crate::port::{DevicePort, PortError, SymbolReadings};
-use crate::symbol::{ChargeSymbol, SymbolShape};
 
 /// How a model takes symbols.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -104,8 +104,8 @@ impl DevicePort for ModelledDevice {
         self.forward.row(&self.inputs.values(symbol), 0, f64::NAN, &mut shift_v);
         self.forward.outputs(&mut shift_v);
         let parts = symbol.map_or([(0.0, 0.0); 2], |symbol| shape.parts(symbol));
-        Ok(parts
-            .map(|(bias_v, _)| Some(self.device.offset_f + self.device.curvature_f_v2 * (bias_v - shift_v[0]).powi(2))))
+        let MemsCapacitor { curvature_f_v2, offset_f, .. } = self.device.capacitor;
+        Ok(parts.map(|(bias_v, _)| Some(offset_f + curvature_f_v2 * (bias_v - shift_v[0]).powi(2))))
     }
 
     fn release(&mut self) -> Result<(), PortError> {

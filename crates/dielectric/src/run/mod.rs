@@ -8,7 +8,6 @@
 //!
 //! However a run ends, the port has had to go to 0 V before anything else is reported.
 
-mod octaves;
 mod row;
 mod summary;
 
@@ -16,17 +15,16 @@ use dr_core::Command;
 use dr_core::control::{Refusal, RunState};
 use dr_core::sensor::Reading;
 use host_sim::instrument::{InstrumentError, LockStepController};
-use host_sim::run::RunError;
-use recording::{Recording, RecordingError, RecordingRow, SYMBOL, VOLTAGE_SHIFT, column_name};
+use host_sim::run::{RowSink, RunError};
+use recording::{Recording, RecordingError, SYMBOL, VOLTAGE_SHIFT, column_name};
 
-pub use octaves::{StreamOctave, octaves};
 pub use row::{layout, metadata};
-pub use summary::{DeviceEnd, DeviceRunSummary, DeviceTrip, PhaseSummary};
+pub use summary::{DeviceEnd, DeviceRunSummary, DeviceTrip, PhaseSummary, StreamOctave, octaves};
 
 use crate::device::Device;
 use crate::experiment::DeviceExperiment;
+use crate::port::ChargeSymbol;
 use crate::port::{DevicePort, PortError, SymbolReadings};
-use crate::symbol::ChargeSymbol;
 use row::DeviceRow;
 use summary::DeviceStatistics;
 
@@ -43,7 +41,7 @@ pub fn run(
     experiment: &DeviceExperiment,
     mut controller: Box<dyn LockStepController>,
     port: &mut dyn DevicePort,
-    sink: &mut dyn FnMut(&RecordingRow) -> Result<(), RunError>,
+    sink: RowSink,
 ) -> Result<DeviceRunSummary, RunError> {
     let mut statistics = DeviceStatistics::new(experiment, &controller.identity().firmware);
     let outcome = start(experiment, controller.as_mut())
@@ -67,7 +65,7 @@ pub fn run(
         (None, Ok(()), Err(error)) => Some(DeviceEnd { why: error.to_string(), released: true }),
         (None, Ok(()), Ok(_)) => None,
     };
-    Ok(statistics.summary(experiment, hash, ended))
+    Ok(statistics.summary(hash, ended))
 }
 
 /// What the phases of an experiment amounted to in a recording of it.
@@ -81,7 +79,7 @@ pub fn phases_of(experiment: &DeviceExperiment, recording: &Recording) -> Result
     for ((&time_s, &symbol), &shift_v) in times_s.iter().zip(symbols).zip(shifts_v) {
         statistics.count(symbol as f32, shift_v as f32, time_s);
     }
-    Ok(statistics.summary(experiment, 0, None).phases)
+    Ok(statistics.summary(0, None).phases)
 }
 
 /// Brings the controller from whatever it does to running this experiment.
@@ -112,7 +110,7 @@ fn conduct(
     controller: &mut dyn LockStepController,
     port: &mut dyn DevicePort,
     statistics: &mut DeviceStatistics,
-    sink: &mut dyn FnMut(&RecordingRow) -> Result<(), RunError>,
+    sink: RowSink,
 ) -> Result<Option<PortError>, RunError> {
     let mut phases = experiment.phases.iter().skip(1).peekable();
     // Nothing has been applied yet.

@@ -1,16 +1,16 @@
 //! A symbol as a row of the recording.
 
-use dr_core::control::{RunState, Trip};
+use dr_core::control::RunState;
 use host_sim::instrument::TickSample;
-use host_sim::run::RunError;
+use host_sim::run::{RowSink, RunError};
 use recording::{
     BITS, Metadata, OFFSET_CAPACITANCE, RecordingLayout, RecordingRow, SYMBOL, SYMBOL_CAPACITANCE,
     TRUE_OFFSET_CAPACITANCE, TRUE_VOLTAGE_SHIFT, VOLTAGE_SHIFT, column_name,
 };
 
 use crate::experiment::DeviceExperiment;
+use crate::port::ChargeSymbol;
 use crate::port::{DeviceTruth, SymbolReadings};
-use crate::symbol::ChargeSymbol;
 
 /// Quantities of a device, in the order of its columns: the symbol that is held from t_n on, the
 /// voltage shift and C₀ by the readings of the symbol before t_n, and these readings.
@@ -78,17 +78,12 @@ impl DeviceRow {
         Self { symbol, shift_v: measured(0), state: sample.state, truth, numbers }
     }
 
-    pub fn push(
-        &self,
-        experiment: &DeviceExperiment,
-        tick: u32,
-        sink: &mut dyn FnMut(&RecordingRow) -> Result<(), RunError>,
-    ) -> Result<(), RunError> {
+    pub fn push(&self, experiment: &DeviceExperiment, tick: u32, sink: RowSink) -> Result<(), RunError> {
         let state = match self.state {
             RunState::Standby => "standby".to_owned(),
             RunState::Testing => "testing".to_owned(),
             RunState::Running => "running".to_owned(),
-            RunState::Tripped(trip) => trip_words(trip),
+            RunState::Tripped(trip) => format!("tripped:{}", trip.cause.name()),
         };
         sink(&RecordingRow {
             time_s: experiment.time_s(tick),
@@ -98,9 +93,4 @@ impl DeviceRow {
             ..RecordingRow::default()
         })
     }
-}
-
-/// A trip in words.
-fn trip_words(trip: Trip) -> String {
-    format!("tripped:{}", trip.cause.name())
 }

@@ -1,16 +1,21 @@
-//! What a run on a device amounted to, for people and as JSON.
+//! Summary of a run on a device, for people and as JSON.
+//!
+//! It has the spectrum of each stream of symbols by octaves. The power of an octave is that of the
+//! difference of neighbouring means, ½⟨(mean of m symbols − mean of the next m)²⟩ for m = 1, 2, 4 …:
+//! the Allan variance of the stream, whose octave has its middle near a period of 2 m T_s. Noise that
+//! a loop shapes falls faster than the 1/m of independent symbols, until the charge itself moves.
 
 use std::fmt;
 
 use dr_core::control::Trip;
 use serde::Serialize;
 
-use super::octaves::{StreamOctave, octaves};
 use super::row::DeviceRow;
 use crate::experiment::DeviceExperiment;
 
 /// Why a run ended before its time, its rows kept.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, thiserror::Error)]
+#[error("{why}{}", if *released { "" } else { "; that the bias is 0 V is not certain: take it off by hand" })]
 pub struct DeviceEnd {
     /// A sentence.
     pub why: String,
@@ -18,18 +23,8 @@ pub struct DeviceEnd {
     pub released: bool,
 }
 
-impl fmt::Display for DeviceEnd {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.why)?;
-        if !self.released {
-            f.write_str("; that the bias is 0 V is not certain: take it off by hand")?;
-        }
-        Ok(())
-    }
-}
-
 /// What a run amounted to.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct DeviceRunSummary {
     /// Of the experiment.
     pub title: String,
@@ -93,16 +88,11 @@ pub struct PhaseSummary {
 
 /// What is added up.
 pub(super) struct DeviceStatistics {
-    firmware: String,
+    summary: DeviceRunSummary,
     symbol_time_s: f64,
-    rows: u32,
-    last_s: f64,
-    without_reading: u32,
-    trips: Vec<DeviceTrip>,
     squares: (f64, u32),
-    /// Symbols and shifts of the running phase, and what those before amounted to.
+    /// Symbols and shifts of the running phase.
     phase: PhaseRows,
-    phases: Vec<PhaseSummary>,
     starts: Vec<(f64, String, Option<f64>)>,
 }
 
@@ -120,26 +110,24 @@ impl DeviceStatistics {
             let target_v = phase.drive.target_range_c().map(|(target, _)| f64::from(target));
             (experiment.time_s(phase.tick), phase.label.clone(), target_v)
         };
-        Self {
+        let summary = DeviceRunSummary {
+            title: experiment.title.clone(),
+            device: experiment.device.name.clone(),
             firmware: firmware.to_owned(),
-            symbol_time_s: experiment.shape.symbol_time_s,
-            rows: 0,
-            last_s: 0.0,
-            without_reading: 0,
-            trips: Vec::new(),
-            squares: (0.0, 0),
-            phase: PhaseRows::default(),
-            phases: Vec::new(),
-            starts: experiment.phases.iter().map(of).collect(),
-        }
+            shift_noise_v: experiment.device.shift_noise_v(&experiment.shape),
+            ..DeviceRunSummary::default()
+        };
+        let starts = experiment.phases.iter().map(of).collect();
+        let symbol_time_s = experiment.shape.symbol_time_s;
+        Self { summary, symbol_time_s, squares: (0.0, 0), phase: PhaseRows::default(), starts }
     }
 
     pub const fn rows(&self) -> u32 {
-        self.rows
+        self.summary.ticks
     }
 
     pub fn trip(&mut self, time_s: f64, trip: Trip) {
-        self.trips.push(DeviceTrip { time_s: time_s.to_string(), cause: trip.cause.name() });
+        self.summary.trips.push(DeviceTrip { time_s: time_s.to_string(), cause: trip.cause.name() });
     }
 
     pub fn add(&mut self, row: &DeviceRow, time_s: f64) {
@@ -153,17 +141,17 @@ impl DeviceStatistics {
     /// Counts a symbol and the shift before it: where a phase begins, that one is still of the
     /// phase before.
     pub fn count(&mut self, symbol: f32, shift_v: f32, time_s: f64) {
-        self.rows += 1;
-        self.last_s = time_s;
-        self.without_reading += u32::from(shift_v.is_nan());
-        let (start_s, _, target_v) = &self.starts[self.phases.len()];
+        self.summary.ticks += 1;
+        self.summary.duration_s = time_s;
+        self.summary.without_reading += u32::from(shift_v.is_nan());
+        let (start_s, _, target_v) = &self.starts[self.summary.phases.len()];
         if let (Some(target_v), None, false) = (target_v, self.phase.reached_s, shift_v.is_nan()) {
             let error_v = f64::from(shift_v) - target_v;
             let first_v = *self.phase.first_error_v.get_or_insert(error_v);
             self.phase.reached_s = (error_v * first_v <= 0.0).then_some(time_s - start_s);
         }
         self.phase.shifts_v.push(shift_v);
-        if self.starts.get(self.phases.len() + 1).is_some_and(|(start_s, ..)| time_s >= *start_s) {
+        if self.starts.get(self.summary.phases.len() + 1).is_some_and(|(start_s, ..)| time_s >= *start_s) {
             self.close_phase();
         }
         self.phase.symbols.push(symbol);
@@ -171,13 +159,13 @@ impl DeviceStatistics {
 
     fn close_phase(&mut self) {
         let rows = std::mem::take(&mut self.phase);
-        let (start_s, label, target_v) = self.starts[self.phases.len()].clone();
+        let (start_s, label, target_v) = self.starts[self.summary.phases.len()].clone();
         let shifts_v = &rows.shifts_v[rows.shifts_v.len() / 2..];
         let shifts_v: Vec<f64> = shifts_v.iter().filter(|of| !of.is_nan()).map(|&of| of.into()).collect();
         let symbols: Vec<f64> = rows.symbols[rows.symbols.len() / 2..].iter().map(|&of| of.into()).collect();
         let mean_v = mean(&shifts_v);
         let deviation = |mean_v: f64| mean(&shifts_v.iter().map(|of| (of - mean_v).powi(2)).collect::<Vec<_>>());
-        self.phases.push(PhaseSummary {
+        self.summary.phases.push(PhaseSummary {
             start_s,
             label,
             target_v,
@@ -189,23 +177,15 @@ impl DeviceStatistics {
         });
     }
 
-    pub fn summary(mut self, experiment: &DeviceExperiment, hash: u64, ended: Option<DeviceEnd>) -> DeviceRunSummary {
+    pub fn summary(mut self, hash: u64, ended: Option<DeviceEnd>) -> DeviceRunSummary {
         self.close_phase();
         let (sum, count) = self.squares;
         DeviceRunSummary {
-            title: experiment.title.clone(),
-            device: experiment.device.name.clone(),
-            firmware: self.firmware,
-            ticks: self.rows,
-            duration_s: self.last_s,
-            without_reading: self.without_reading,
-            complete: ended.is_none() && self.trips.is_empty(),
-            trips: self.trips,
+            complete: ended.is_none() && self.summary.trips.is_empty(),
             ended,
             hash: format!("{hash:016x}"),
-            shift_noise_v: experiment.device.shift_noise_v(&experiment.shape),
             shift_rms_error_v: (count > 0).then(|| (sum / f64::from(count)).sqrt()),
-            phases: self.phases,
+            ..self.summary
         }
     }
 }
@@ -244,5 +224,48 @@ impl fmt::Display for DeviceRunSummary {
         }));
         writeln!(f, "\nsecond half of each phase:")?;
         write!(f, "{}", recording::text::columns(&lines, &[0, 2, 3, 4, 5, 6]))
+    }
+}
+
+/// Differences that a power is the mean of, at least.
+const LEAST_DIFFERENCES: usize = 8;
+
+/// One octave.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct StreamOctave {
+    /// 2 m T_s, s.
+    pub period_s: f64,
+    /// Of symbols of ±1; white noise of independent symbols has 1/m.
+    pub power: f64,
+}
+
+/// All octaves for which a stream is long enough, the fastest first.
+pub fn octaves(symbols: &[f64], symbol_time_s: f64) -> Vec<StreamOctave> {
+    let mut all = Vec::new();
+    let mut length = 1;
+    while symbols.len() / length > LEAST_DIFFERENCES {
+        let means: Vec<f64> =
+            symbols.chunks_exact(length).map(|chunk| chunk.iter().sum::<f64>() / length as f64).collect();
+        let squares: f64 = means.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum();
+        let power = 0.5 * squares / (means.len() - 1) as f64;
+        all.push(StreamOctave { period_s: 2.0 * length as f64 * symbol_time_s, power });
+        length *= 2;
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_alternating_stream_is_all_in_the_first_octave_and_a_slow_one_in_its_own() {
+        let alternating: Vec<f64> = (0..1024).map(|n| if n % 2 == 0 { 1.0 } else { -1.0 }).collect();
+        let found = octaves(&alternating, 0.5);
+        assert_eq!((found[0].period_s, found[0].power), (1.0, 2.0));
+        assert!(found[1..].iter().all(|octave| octave.power == 0.0));
+        let slow: Vec<f64> = (0..1024).map(|n| if n / 16 % 2 == 0 { 1.0 } else { -1.0 }).collect();
+        let most = octaves(&slow, 1.0).into_iter().max_by(|a, b| a.power.total_cmp(&b.power)).unwrap();
+        assert_eq!((most.period_s, most.power), (32.0, 2.0));
     }
 }

@@ -3,8 +3,9 @@
 use super::*;
 use crate::port::DeviceTruth;
 use crate::port::PortError;
-use crate::symbol::SymbolShape;
+use crate::port::SymbolShape;
 use host_sim::instrument::in_process::InProcess;
+use recording::RecordingRow;
 use recording::toml_file::TomlSource;
 
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../experiments/mems/");

@@ -1,7 +1,7 @@
 //! The simulated device against what its equations give by hand.
 
 use super::*;
-use crate::device::{Carriers, MeterRange, Polarity};
+use crate::device::{Carriers, DeviceLimits, MemsCapacitor, MeterRange, Polarity};
 use recording::toml_file::TomlSource;
 
 const SHAPE: SymbolShape = SymbolShape { positive_v: 10.0, negative_v: -10.0, second_share: 0.25, symbol_time_s: 1.0 };
@@ -12,8 +12,10 @@ fn carriers(polarity: Polarity, steady_shift_v: f64, time_s: f64) -> Carriers {
         steady_shift_v,
         at_bias_v: 10.0,
         scale_v: 4.0,
-        rates_rad_s: vec![1.0 / time_s],
-        weights: vec![1.0],
+        slowest_s: time_s,
+        fastest_s: time_s,
+        order: 1,
+        slope: 0.0,
     }
 }
 
@@ -21,17 +23,15 @@ fn device(noise_f: f64, carriers: Vec<Carriers>) -> Device {
     Device {
         source: TomlSource { path: "device.toml".into(), text: String::new() },
         name: "mems".to_owned(),
-        curvature_f_v2: 2e-15,
-        offset_f: 1e-12,
-        pull_in_v: 20.0,
-        bias_max_v: 15.0,
-        shift_max_v: 5.0,
-        capacitance_max_f: 2e-12,
+        capacitor: MemsCapacitor { curvature_f_v2: 2e-15, offset_f: 1e-12, pull_in_v: 20.0 },
+        limits: DeviceLimits { bias_max_v: 15.0, shift_max_v: 5.0, capacitance_max_f: 2e-12 },
         meter: MeterRange { full_scale_f: 4e-12, noise_f, frequency_hz: 1e6, level_v: 0.1 },
         simulation: Some(Simulation {
             temperature_c: 20.0,
             humidity_percent: 40.0,
-            offset_per: [1e-4, 1e-3, 0.0],
+            offset_per_k: 1e-4,
+            offset_per_percent: 1e-3,
+            offset_per_hour: 0.0,
             charging_per_k: 0.02,
             carriers,
         }),

@@ -1,20 +1,29 @@
 //! The emulator's process: its folder, its links, its log and its end.
+//!
+//! Two named pipes are the stream to the emulated board.
+//!
+//! Programs that were killed leave folders and emulators, which the next program clears. Each folder
+//! has a file that its owner holds locked. The system frees the lock as the owner ends.
 
-use super::left_over;
-use super::stream::Pipe;
-use crate::instrument::error::InstrumentError;
-use crate::instrument::link;
-use defmt_decoder::{DecodeError, Table};
-use nix::sched::{CpuSet, sched_getaffinity, sched_setaffinity};
-use nix::sys::stat::Mode;
-use nix::unistd::{Pid, mkfifo};
 use std::fs::{File, OpenOptions};
-use std::io::{self, ErrorKind, Read};
+use std::io::{self, ErrorKind, Read, Write};
+use std::os::fd::AsFd;
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
+
+use defmt_decoder::{DecodeError, Table};
+use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
+use nix::sched::{CpuSet, sched_getaffinity, sched_setaffinity};
+use nix::sys::signal::{Signal, kill};
+use nix::sys::stat::Mode;
+use nix::unistd::{Pid, mkfifo};
 use tempfile::TempDir;
+
+use crate::instrument::error::InstrumentError;
+use crate::instrument::link;
+use crate::instrument::link::BoardStream;
 
 /// The emulator; another can be named in the environment.
 const EMULATOR: &str = "qemu-system-arm";
@@ -59,9 +68,9 @@ impl Process {
                 "{name} is no firmware: an ELF image for ARM belongs here, such as `cargo xtask demo` builds"
             )));
         }
-        left_over::clear();
-        let folder = tempfile::Builder::new().prefix(left_over::PREFIX).tempdir()?;
-        let lock = left_over::own(folder.path())?;
+        clear_left_over();
+        let folder = tempfile::Builder::new().prefix(PREFIX).tempdir()?;
+        let lock = own(folder.path())?;
         Ok(Self { firmware: path, folder, _lock: lock, child: None, timeout: link::TIMEOUT })
     }
 
@@ -134,7 +143,7 @@ impl Process {
                 )),
                 _ => InstrumentError::Unusable(format!("the emulator `{emulator}` cannot be started: {error}")),
             })?;
-        left_over::note_emulator(self.folder.path(), self.child.insert(child).id())?;
+        note_emulator(self.folder.path(), self.child.insert(child).id())?;
         Ok(())
     }
 
@@ -271,5 +280,101 @@ fn stay_on_one_core() {
     let mut only = CpuSet::new();
     if only.set(core).is_ok() {
         sched_setaffinity(Pid::from_raw(0), &only).ok();
+    }
+}
+
+/// One link of an emulated board: a pipe each way.
+pub struct Pipe {
+    from_board: File,
+    to_board: File,
+}
+
+impl BoardStream for Pipe {
+    fn read_within(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
+        let timeout = PollTimeout::try_from(timeout).unwrap_or(PollTimeout::MAX);
+        if poll(&mut [PollFd::new(self.from_board.as_fd(), PollFlags::POLLIN)], timeout)? == 0 {
+            return Err(ErrorKind::TimedOut.into());
+        }
+        match self.from_board.read(buffer)? {
+            0 => Err(ErrorKind::UnexpectedEof.into()),
+            read => Ok(read),
+        }
+    }
+
+    fn write_all(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.to_board.write_all(bytes)
+    }
+}
+
+/// How the folders' names begin.
+const PREFIX: &str = "anemo-qemu-";
+const OWNER: &str = "owner.lock";
+const EMULATOR_NUMBER: &str = "emulator.pid";
+
+/// Makes a folder one's own, for as long as the file is kept open.
+fn own(folder: &Path) -> io::Result<File> {
+    // Under its name it is locked from the first moment.
+    let hidden = folder.join("owner.new");
+    let lock = File::create(&hidden)?;
+    lock.try_lock().map_err(io::Error::other)?;
+    std::fs::rename(hidden, folder.join(OWNER))?;
+    Ok(lock)
+}
+
+/// Notes which process is the folder's emulator.
+fn note_emulator(folder: &Path, process: u32) -> io::Result<()> {
+    std::fs::write(folder.join(EMULATOR_NUMBER), process.to_string())
+}
+
+/// Ends emulators and removes folders whose owners have ended.
+fn clear_left_over() {
+    for entry in std::fs::read_dir(std::env::temp_dir()).into_iter().flatten().flatten() {
+        let folder = entry.path();
+        if !entry.file_name().to_string_lossy().starts_with(PREFIX) {
+            continue;
+        }
+        let Ok(lock) = File::open(folder.join(OWNER)) else { continue };
+        if lock.try_lock().is_err() {
+            continue;
+        }
+        let process =
+            std::fs::read_to_string(folder.join(EMULATOR_NUMBER)).ok().and_then(|text| text.parse::<i32>().ok());
+        // Its number may be another's by now, which works elsewhere.
+        if let Some(process) = process
+            && std::fs::read_link(format!("/proc/{process}/cwd")).is_ok_and(|works_in| works_in == folder)
+        {
+            let _ = kill(Pid::from_raw(process), Signal::SIGKILL);
+        }
+        let _ = std::fs::remove_dir_all(folder);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::process::{Command, Stdio};
+    use std::time::Duration;
+
+    #[test]
+    fn a_folder_is_cleared_with_its_emulator_once_its_owner_has_ended() {
+        let folder = tempfile::Builder::new().prefix(PREFIX).tempdir().unwrap();
+        let path = folder.path().canonicalize().unwrap();
+        let lock = own(&path).unwrap();
+        let mut emulator = Command::new("sleep").arg("600").current_dir(&path).stdin(Stdio::null()).spawn().unwrap();
+        note_emulator(&path, emulator.id()).unwrap();
+        clear_left_over();
+        assert!(path.is_dir() && emulator.try_wait().unwrap().is_none());
+        drop(lock);
+        // A process that another test starts just now shares the lock until it has become its
+        // program.
+        for _ in 0..100 {
+            clear_left_over();
+            if !path.exists() {
+                break;
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        assert!(!path.exists());
+        assert!(!emulator.wait().unwrap().success());
     }
 }

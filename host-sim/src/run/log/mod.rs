@@ -9,26 +9,23 @@
 //! | `session` | the loop |
 //! | `tick_time` | times of rows, over gaps and resets |
 //! | `overheat` | set-points above the measured gas |
-//! | `acknowledge` | when a trip is acknowledged without a person |
+//! | this one | requests and their refusals, and trips acknowledged without a person |
 
-mod acknowledge;
 mod overheat;
-mod refusal;
 mod session;
 mod tick_time;
 
 use std::fmt;
 
-use dr_core::control::SelfTestPlan;
+use dr_core::control::{Cause, SelfTestPlan};
+use recording::RecordingRow;
+use recording::text::count;
 use serde::Serialize;
 
 use super::error::{EarlyEnd, RunError};
-use crate::instrument::{InstrumentPort, Observation};
-use recording::RecordingRow;
-use recording::text::count;
+use crate::instrument::{InstrumentError, InstrumentPort, Observation};
 
 pub use overheat::{alternate, set as hold};
-pub use refusal::LogRefusal;
 pub use session::log;
 
 /// What a log does by itself.
@@ -188,5 +185,85 @@ impl fmt::Display for LogSummary {
         let (resets, trips) = (count(*resets as usize, "reset"), count(*trips as usize, "trip"));
         writeln!(f, "{rows}, {duration_s:.3} s; {lost} lost, {gaps}, {resets}, {trips}")?;
         self.last_trip.iter().try_for_each(|trip| writeln!(f, "last trip: {trip}"))
+    }
+}
+
+/// Why a log does not do what it is asked for.
+#[derive(Debug, thiserror::Error)]
+pub enum LogRefusal {
+    /// The board refuses, or the link fails.
+    #[error(transparent)]
+    Instrument(#[from] InstrumentError),
+    /// The experiment cannot be started.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// The link is down, or the board is starting.
+    #[error("the board does not answer now")]
+    Deaf,
+    /// The head has none of this name.
+    #[error("`{0}` is no element of the head")]
+    NoElement(String),
+    /// No pressure of a gas: it stays as it was.
+    #[error("a pressure of {0} Pa is none of a gas: it stays")]
+    NoPressure(f64),
+    /// A set-point that the head does not allow: it stays as it was.
+    #[error("a set-point of {temperature_c:.2} °C is beyond the limit of {element}, {most_c} °C: it stays")]
+    BeyondLimit {
+        /// What was asked for, °C.
+        temperature_c: f64,
+        /// Of this element.
+        element: String,
+        /// What its head allows, °C.
+        most_c: f32,
+    },
+    /// Overheats that cannot alternate.
+    #[error(
+        "overheats of {high_k} and {low_k} K, each for {half_s} s, cannot alternate: they must descend to one above 0, and last whole sample periods"
+    )]
+    NoAlternation {
+        /// The first, K.
+        high_k: f64,
+        /// The second, K.
+        low_k: f64,
+        /// How long each was to last, s.
+        half_s: f64,
+    },
+}
+
+/// In so long, s …
+const WITHIN_S: f64 = 600.0;
+/// … at most so many.
+const MOST: usize = 2;
+
+/// Counts acknowledges.
+#[derive(Default)]
+pub(super) struct Acknowledges(Vec<f64>);
+
+impl Acknowledges {
+    /// Whether a trip for this cause may be acknowledged now; counts it if so. What says that an
+    /// element is broken or was too hot never is.
+    pub fn grant(&mut self, cause: Cause, now_s: f64) -> bool {
+        self.0.retain(|at_s| now_s - at_s < WITHIN_S);
+        let is_granted = !matches!(cause, Cause::Open | Cause::Short | Cause::OverTemperature) && self.0.len() < MOST;
+        if is_granted {
+            self.0.push(now_s);
+        }
+        is_granted
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_in_ten_minutes_and_never_what_is_broken_or_hot() {
+        let mut acknowledges = Acknowledges::default();
+        for cause in [Cause::Open, Cause::Short, Cause::OverTemperature] {
+            assert!(!acknowledges.grant(cause, 0.0));
+        }
+        let granted =
+            [0.0, 1.0, 2.0, 599.0, 600.0, 600.5, 601.0].map(|now_s| acknowledges.grant(Cause::Watchdog, now_s));
+        assert_eq!(granted, [true, true, false, false, true, false, true]);
     }
 }

@@ -4,14 +4,13 @@ use dr_core::Command;
 use dr_core::control::{Drive, Refusal, RunState, SelfTestFinding, Trip};
 use dr_core::wind::WindCommand;
 
-use super::acknowledge::Acknowledges;
 use super::overheat::{self, Overheat};
 use super::tick_time::TickTime;
-use super::{LogCommand, LogEvent, LogHost, LogOptions, LogRefusal, LogRequest, LogSummary};
+use super::{Acknowledges, LogCommand, LogEvent, LogHost, LogOptions, LogRefusal, LogRequest, LogSummary};
 use crate::experiment::Experiment;
 use crate::instrument::{InstrumentError, InstrumentPort, LinkReport, setup, why_it_started};
 use crate::run::error::{EarlyEnd, RunError};
-use crate::run::row::{RowBuilder, state_name};
+use crate::run::recorded::{RowBuilder, state_name};
 use crate::run::start::{change_drives, setup_of, start};
 
 /// Logs an instrument, heated by the drives of an experiment, until its host ends it.
@@ -19,13 +18,13 @@ use crate::run::start::{change_drives, setup_of, start};
 /// # Errors
 /// If it does not come to its first row. The instrument is stopped first.
 pub fn log(experiment: &Experiment, options: &LogOptions, host: &mut dyn LogHost) -> Result<LogSummary, RunError> {
-    let mut session = Session::new(experiment, options)?;
-    let mut instrument = host.connect()?;
-    options.continued.into_iter().for_each(|without_s| session.tell(host, LogEvent::Continued(without_s)));
+    let mut session = Session::new(experiment, options, host)?;
+    let mut instrument = session.host.connect()?;
+    options.continued.into_iter().for_each(|without_s| session.tell(LogEvent::Continued(without_s)));
     session.begin_life(instrument.as_ref());
     let begun = start(&session.experiment, instrument.as_mut()).map(drop);
     let (mut instrument, end) = match begun {
-        Ok(()) => session.follow(instrument, host),
+        Ok(()) => session.follow(instrument),
         Err(error) => (Some(instrument), error),
     };
     // Stopped whatever happened: a board must not be left heating.
@@ -43,7 +42,8 @@ pub fn log(experiment: &Experiment, options: &LogOptions, host: &mut dyn LogHost
     Ok(LogSummary { ended, ..session.summary })
 }
 
-struct Session {
+struct Session<'a> {
+    host: &'a mut dyn LogHost,
     experiment: Experiment,
     options: LogOptions,
     summary: LogSummary,
@@ -64,8 +64,8 @@ struct Session {
     event: String,
 }
 
-impl Session {
-    fn new(experiment: &Experiment, options: &LogOptions) -> Result<Self, RunError> {
+impl<'a> Session<'a> {
+    fn new(experiment: &Experiment, options: &LogOptions, host: &'a mut dyn LogHost) -> Result<Self, RunError> {
         let mut experiment = experiment.clone();
         let refused = |sentence: String| RunError::Instrument(InstrumentError::Unusable(sentence));
         let overheat = match (options.overheat_k, overheat::reference(&experiment)) {
@@ -83,6 +83,7 @@ impl Session {
         let summary =
             LogSummary { title: experiment.title.clone(), head: experiment.head.name.clone(), ..LogSummary::default() };
         Ok(Self {
+            host,
             options: *options,
             summary,
             times: TickTime::new(options.begin_s),
@@ -109,21 +110,22 @@ impl Session {
     }
 
     /// Rows and events until the end; returns why it ended, and the instrument if it is there.
-    fn follow(
-        &mut self,
-        mut instrument: Box<dyn InstrumentPort>,
-        host: &mut dyn LogHost,
-    ) -> (Option<Box<dyn InstrumentPort>>, RunError) {
+    fn follow(&mut self, mut instrument: Box<dyn InstrumentPort>) -> (Option<Box<dyn InstrumentPort>>, RunError) {
         let mut rows = RowBuilder::new(&self.experiment);
         loop {
-            let error = match self.record(instrument.as_mut(), &mut rows, host) {
-                RunError::Instrument(error) if self.summary.rows > 0 && host.reconnects() => error,
+            let end = loop {
+                if let Err(end) = self.step(instrument.as_mut(), &mut rows) {
+                    break end;
+                }
+            };
+            let error = match end {
+                RunError::Instrument(error) if self.summary.rows > 0 && self.host.reconnects() => error,
                 end => return (Some(instrument), end),
             };
-            self.tell(host, LogEvent::LinkLost(error.to_string()));
+            self.tell(LogEvent::LinkLost(error.to_string()));
             self.summary.gaps += 1;
             drop(instrument);
-            instrument = match self.reconnect(host) {
+            instrument = match self.reconnect() {
                 Ok(instrument) => instrument,
                 Err(end) => return (None, end),
             };
@@ -132,106 +134,87 @@ impl Session {
 
     /// Waits until the board is there again, and makes it send samples, with its heaters as it has
     /// them.
-    fn reconnect(&mut self, host: &mut dyn LogHost) -> Result<Box<dyn InstrumentPort>, RunError> {
+    fn reconnect(&mut self) -> Result<Box<dyn InstrumentPort>, RunError> {
         loop {
-            host.wait()?;
-            while let Some(LogRequest { command, answer }) = host.request() {
+            self.host.wait()?;
+            while let Some(LogRequest { command, answer }) = self.host.request() {
                 match command {
                     LogCommand::Mark(text) => {
-                        self.tell(host, LogEvent::Mark(text));
+                        self.tell(LogEvent::Mark(text));
                         answer(Ok(()));
                     }
                     _ => answer(Err(LogRefusal::Deaf)),
                 }
             }
-            let Ok(mut instrument) = host.connect() else { continue };
+            let Ok(mut instrument) = self.host.connect() else { continue };
             let is_same_life = self.begin_life(instrument.as_ref());
             if !is_same_life {
                 self.times.begin_anew();
-                if self.resume(instrument.as_mut(), host).is_err() {
+                if self.resume(instrument.as_mut()).is_err() {
                     // Another try is another life, so that this is done again.
                     self.life = None;
                     continue;
                 }
                 self.summary.resets += 1;
                 let why = why_it_started(instrument.identity());
-                self.tell(host, LogEvent::BoardReset(why));
+                self.tell(LogEvent::BoardReset(why));
             }
-            self.tell(host, LogEvent::LinkBack);
+            self.tell(LogEvent::LinkBack);
             return Ok(instrument);
         }
     }
 
     /// Sets up a board that has forgotten everything; it stays in standby, or tripped.
-    fn resume(&mut self, instrument: &mut dyn InstrumentPort, host: &mut dyn LogHost) -> Result<(), RunError> {
+    fn resume(&mut self, instrument: &mut dyn InstrumentPort) -> Result<(), RunError> {
         self.mute = None;
         match setup::configure(instrument, &setup_of(&self.experiment)?) {
             Ok(()) => Ok(()),
             Err(InstrumentError::Refused(Refusal::Tripped(trip))) => {
                 self.mute = Some(trip);
-                self.count_trip(trip, host);
+                self.count_trip(trip);
                 Ok(())
             }
             Err(error) => Err(error.into()),
         }
     }
 
-    fn count_trip(&mut self, trip: Trip, host: &mut dyn LogHost) {
+    fn count_trip(&mut self, trip: Trip) {
         let (cause, element) = (trip.cause.name(), setup::place(trip, &self.experiment.head.names()));
         self.summary.trips += 1;
         self.summary.last_trip = Some(format!("{cause}, {element}, at {} s", self.now_s));
-        self.tell(host, LogEvent::Trip { cause, element });
+        self.tell(LogEvent::Trip { cause, element });
     }
 
-    fn tell(&mut self, host: &mut dyn LogHost, event: LogEvent) {
+    fn tell(&mut self, event: LogEvent) {
         if !self.event.is_empty() {
             self.event += "; ";
         }
         self.event += &event.to_string();
-        host.happened(self.now_s, &event);
+        self.host.happened(self.now_s, &event);
     }
 
-    /// Rows of one connection; returns what ended it.
-    fn record(
-        &mut self,
-        instrument: &mut dyn InstrumentPort,
-        rows: &mut RowBuilder,
-        host: &mut dyn LogHost,
-    ) -> RunError {
-        loop {
-            if let Err(error) = self.step(instrument, rows, host) {
-                return error;
-            }
-        }
-    }
-
-    fn step(
-        &mut self,
-        instrument: &mut dyn InstrumentPort,
-        rows: &mut RowBuilder,
-        host: &mut dyn LogHost,
-    ) -> Result<(), RunError> {
-        while let Some(LogRequest { command, answer }) = host.request() {
-            let outcome = self.obey(instrument, command, host);
+    fn step(&mut self, instrument: &mut dyn InstrumentPort, rows: &mut RowBuilder) -> Result<(), RunError> {
+        while let Some(LogRequest { command, answer }) = self.host.request() {
+            let outcome = self.obey(instrument, command);
             answer(outcome);
         }
         self.change_drives(instrument)?;
         let observation = match instrument.observe() {
             // It has told why it is mute; it may still be acknowledged.
             Err(InstrumentError::Silent(_)) if self.mute.is_some() => {
-                self.acknowledge(instrument, host)?;
-                return host.wait();
+                self.acknowledge(instrument)?;
+                return self.host.wait();
             }
             observation => observation?,
         };
-        self.tell_findings(instrument, host);
+        self.tell_findings(instrument);
         let names = self.experiment.head.names();
         if !observation.is_of(names.len()) {
             let sentence = format!("a sample is not one of {} elements, as the head is", names.len());
             return Err(InstrumentError::Protocol(sentence).into());
         }
         let sample = &observation.sample;
-        let (time_s, lost) = self.times.of(sample.tick, host.elapsed_s(), &self.experiment);
+        let (time_s, lost) = self.times.of(sample.tick, self.host.elapsed_s(), &self.experiment);
         self.now_s = time_s;
         self.summary.lost += u64::from(lost);
         let changed = self.state != Some(sample.state);
@@ -243,7 +226,7 @@ impl Session {
             RunState::Tripped(trip) if changed => Some(trip),
             _ => None,
         };
-        trip.into_iter().for_each(|trip| self.count_trip(trip, host));
+        trip.into_iter().for_each(|trip| self.count_trip(trip));
         let event = std::mem::take(&mut self.event);
         // The experiment begins with the log, not with the recording that this continues.
         let since_s = time_s - *self.first_s.get_or_insert(time_s);
@@ -252,16 +235,16 @@ impl Session {
         // Who takes a row may want it to be the last.
         self.summary.rows += 1;
         self.summary.duration_s = since_s;
-        host.row(&rows.row(&observation, time_s, event, &self.state_name), &observation, self.summary.lost)?;
+        self.host.row(&rows.row(&observation, time_s, event, &self.state_name), &observation, self.summary.lost)?;
         if trip.is_some() && self.options.ends_at_trip {
             return Err(RunError::Interrupted);
         }
         if matches!(sample.state, RunState::Tripped(_)) {
-            self.acknowledge(instrument, host)?;
+            self.acknowledge(instrument)?;
         }
         if let Some(target_c) = self.overheat.as_mut().and_then(|overheat| overheat.add(&observation, &self.experiment))
         {
-            self.follow_gas(instrument, host, target_c)?;
+            self.follow_gas(instrument, target_c)?;
         }
         Ok(())
     }
@@ -282,26 +265,22 @@ impl Session {
         Ok(())
     }
 
-    fn tell_findings(&mut self, instrument: &mut dyn InstrumentPort, host: &mut dyn LogHost) {
+    fn tell_findings(&mut self, instrument: &mut dyn InstrumentPort) {
         for SelfTestFinding { element, faults, .. } in instrument.findings() {
             let names = self.experiment.head.names();
             let name = names.get(usize::from(element)).copied().unwrap_or("?");
             let text = format!("self-test of {name}, faults: {faults}");
-            self.tell(host, LogEvent::Mark(text));
+            self.tell(LogEvent::Mark(text));
         }
     }
 
     /// Acknowledges a trip, where that was asked for and may be.
-    fn acknowledge(
-        &mut self,
-        instrument: &mut dyn InstrumentPort,
-        host: &mut dyn LogHost,
-    ) -> Result<(), InstrumentError> {
+    fn acknowledge(&mut self, instrument: &mut dyn InstrumentPort) -> Result<(), InstrumentError> {
         let trip = match (self.mute, self.state) {
             (Some(trip), _) | (None, Some(RunState::Tripped(trip))) => trip,
             _ => return Ok(()),
         };
-        let now_s = host.elapsed_s().unwrap_or(self.now_s);
+        let now_s = self.host.elapsed_s().unwrap_or(self.now_s);
         if !self.options.acknowledges || !self.acknowledges.grant(trip.cause, now_s) {
             return Ok(());
         }
@@ -310,7 +289,7 @@ impl Session {
             Err(InstrumentError::Refused(_)) => return Ok(()),
             outcome => outcome.map(drop)?,
         }
-        self.tell(host, LogEvent::Acknowledged);
+        self.tell(LogEvent::Acknowledged);
         if self.mute.take().is_some() {
             let commands = setup_of(&self.experiment).unwrap_or_default();
             setup::configure(instrument, &commands)?;
@@ -318,14 +297,9 @@ impl Session {
         Ok(())
     }
 
-    fn follow_gas(
-        &mut self,
-        instrument: &mut dyn InstrumentPort,
-        host: &mut dyn LogHost,
-        target_c: f64,
-    ) -> Result<(), InstrumentError> {
+    fn follow_gas(&mut self, instrument: &mut dyn InstrumentPort, target_c: f64) -> Result<(), InstrumentError> {
         if let Err(refusal) = overheat::set(&mut self.experiment, target_c) {
-            self.tell(host, LogEvent::Mark(refusal.to_string()));
+            self.tell(LogEvent::Mark(refusal.to_string()));
             return Ok(());
         }
         let drives = self.experiment.drives.clone();
@@ -333,7 +307,7 @@ impl Session {
         held.try_for_each(|(element, drive)| self.drive(instrument, element, *drive)).or_else(|error| match error {
             // A set-point that the models refuse, and a trip meanwhile: the samples tell of it.
             InstrumentError::Refused(refusal) => {
-                self.tell(host, LogEvent::Mark(format!("the gas asks for {target_c:.2} °C: {refusal}")));
+                self.tell(LogEvent::Mark(format!("the gas asks for {target_c:.2} °C: {refusal}")));
                 Ok(())
             }
             error => Err(error),
@@ -357,19 +331,14 @@ impl Session {
     }
 
     /// Does what somebody asks for.
-    fn obey(
-        &mut self,
-        instrument: &mut dyn InstrumentPort,
-        command: LogCommand,
-        host: &mut dyn LogHost,
-    ) -> Result<(), LogRefusal> {
+    fn obey(&mut self, instrument: &mut dyn InstrumentPort, command: LogCommand) -> Result<(), LogRefusal> {
         match command {
-            LogCommand::Mark(text) => self.tell(host, LogEvent::Mark(text)),
+            LogCommand::Mark(text) => self.tell(LogEvent::Mark(text)),
             LogCommand::Stop => drop(instrument.command(Command::Stop)?),
             LogCommand::Acknowledge => {
                 instrument.command(Command::Acknowledge)?;
                 if self.mute.take().is_some() {
-                    self.resume(instrument, host)?;
+                    self.resume(instrument)?;
                 }
             }
             LogCommand::Arm => drop(instrument.command(setup::ARM)?),
@@ -393,7 +362,7 @@ impl Session {
                 let drive = Drive::Temperature { target_c: temperature_c as f32 };
                 instrument.command(Command::Drive { element: place as u8, drive })?;
                 self.experiment.drives[place] = drive;
-                self.tell(host, LogEvent::Mark(format!("set-point of {element}: {temperature_c} °C")));
+                self.tell(LogEvent::Mark(format!("set-point of {element}: {temperature_c} °C")));
             }
             LogCommand::Pressure(pressure_pa) => {
                 if !(pressure_pa.is_finite() && pressure_pa > 0.0) {
@@ -407,7 +376,7 @@ impl Session {
                     let gas = WindCommand::Gas { pressure_pa: pressure_pa as f32, temperature_c };
                     instrument.command(Command::Wind(gas))?;
                 }
-                self.tell(host, LogEvent::Mark(format!("gas pressure: {pressure_pa} Pa")));
+                self.tell(LogEvent::Mark(format!("gas pressure: {pressure_pa} Pa")));
             }
         }
         Ok(())

@@ -1,8 +1,7 @@
 //! A body in the field: sunlight on it, drifts of its surfaces, another sky, a stem in the wind.
 
 use super::{STEFAN_BOLTZMANN, ThermalBody};
-use crate::sensor::cooled_stem::CooledStem;
-use crate::sensor::field::{LocalWind, Stem};
+use crate::sensor::field::{CooledStem, LocalWind, Stem};
 
 impl ThermalBody {
     /// Whether a sphere is among its shapes.

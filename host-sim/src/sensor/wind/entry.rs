@@ -1,10 +1,6 @@
 //! One entry of the wind: a mean that holds until the next entry, and what blows on top of it.
 
-use super::direction::{added, towards};
-use super::dust_devil::{DustDevil, HorizontalMean};
-use super::gust::Gust;
-use super::range::EntryTable;
-use super::sine::{DirectionSwing, Sine};
+use super::planned::{DirectionSwing, DustDevil, EntryTable, Gust, HorizontalMean, Sine, added, towards};
 use super::turbulence::Turbulence;
 use crate::sensor::error::SensorError;
 

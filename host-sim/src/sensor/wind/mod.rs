@@ -8,33 +8,27 @@
 //!
 //! | term | what | file |
 //! |---|---|---|
-//! | U e | the mean, whose azimuth may swing | this one, [`sine`] |
-//! | g e_g | a gust, 1 − cos | [`gust`] |
-//! | s e | a sine along the mean | [`sine`] |
+//! | U e | the mean, whose azimuth may swing | this one, `planned` |
+//! | g e_g | a gust, 1 − cos | `planned` |
+//! | s e | a sine along the mean | `planned` |
 //! | σ x | turbulence of one relaxation, or of a spectrum | [`turbulence`], which uses `relaxations` and `series` |
-//! | d | a dust devil that passes | [`dust_devil`] |
+//! | d | a dust devil that passes | `planned` |
 //!
 //! Every time is counted from the entry's start. The wind is held over each sample period: what is
 //! known as a function of time is taken in the period's middle.
 //!
 //! Limits: one wind for the whole sensor, which is small against any eddy.
 
-mod direction;
-pub mod dust_devil;
 mod entry;
-pub mod gust;
-mod range;
+mod planned;
 mod relaxations;
 mod series;
 mod simulated;
-pub mod sine;
 pub mod turbulence;
 
-pub use dust_devil::DustDevil;
 pub use entry::WindEntry;
-pub use gust::Gust;
+pub use planned::{DirectionSwing, DustDevil, Gust, Sine};
 pub use simulated::SimulatedWind;
-pub use sine::{DirectionSwing, Sine};
 pub use turbulence::{Spectrum, Turbulence};
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 
 use rand_chacha::ChaCha8Rng;
 
-use super::direction::{added, axes};
 use super::entry::{WindEntry, check};
+use super::planned::{added, axes};
 use super::series::WindSeries;
 use super::turbulence::{self, Relaxed};
 use crate::sensor::error::SensorError;

@@ -40,7 +40,7 @@
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::range::EntryTable;
+use super::planned::EntryTable;
 use super::relaxations::{EDDY, SpectrumShape};
 use crate::sensor::error::SensorError;
 

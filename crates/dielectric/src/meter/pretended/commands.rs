@@ -1,6 +1,6 @@
 //! What a line does to the meter, and what it answers.
 
-use super::misbehaviour::MisbehaviourKind;
+use super::state::MisbehaviourKind;
 use super::state::{MeterState, NO_NUMBER};
 
 /// Range of the bias, V.

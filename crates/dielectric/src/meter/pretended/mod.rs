@@ -2,10 +2,8 @@
 //! a device, and misbehaves where it is made to. For tests, and for demonstrations.
 
 mod commands;
-mod misbehaviour;
 mod server;
 mod state;
 
-pub use misbehaviour::{Misbehaviour, MisbehaviourKind};
 pub use server::{PretendedMeter, PretendedSettings};
-pub use state::{BiasStep, PretendedDevice};
+pub use state::{BiasStep, Misbehaviour, MisbehaviourKind, PretendedDevice};

@@ -1,7 +1,7 @@
 //! The connections of the pretended meter: a thread each, all to one meter.
 
 use super::commands::{Reaction, react};
-use super::misbehaviour::Misbehaviour;
+use super::state::Misbehaviour;
 use super::state::{BiasStep, MeterState, PretendedDevice};
 use publish::listen::{ListenError, Listener, Listening, Token};
 use std::io::{self, ErrorKind, Read, Write};

@@ -1,4 +1,37 @@
-//! A dust devil that is carried past the sensor.
+//! Winds by a plan on top of a mean: a gust, sines of speed and direction, a dust devil.
+//!
+//! Azimuth and elevation are those into which the air goes:
+//!
+//! ```text
+//! e = (cos el cos az, cos el sin az, sin el)
+//! ```
+//!
+//! # Gust
+//!
+//! The form is that of aircraft standards.
+//!
+//! ```text
+//! g(t) = ½ G (1 − cos 2π (t − t0)/D)     t0 ≤ t ≤ t0 + D, otherwise 0
+//! ```
+//!
+//! G is reached in the middle and the mean over D is G/2; g and its first derivative are
+//! continuous. A negative G is a lull. Sources: EASA CS-25 and 14 CFR 25.341(a), discrete gusts.
+//!
+//! # Sines
+//!
+//! Speed and direction go to and fro, to see how far a sensor can follow.
+//!
+//! ```text
+//! s(t)  = A sin 2πf t          m/s, along the mean
+//! az(t) = az + B sin 2πf t     °
+//! ```
+//!
+//! t counts from the entry's start, so that both begin at the mean. Turbulence of a spectrum, and a
+//! gust without a direction of its own, turn with it.
+//!
+//! # Dust devil
+//!
+//! A vortex is carried past the sensor.
 //!
 //! ```text
 //! c(t) = w (t − t0) d + m n           centre from the sensor, m: nearest at t0, at the miss
@@ -19,8 +52,141 @@
 //! Limits: a straight track, an upright axis along z without vertical wind, no change of pressure
 //! or temperature.
 
-use super::range::{EntryTable, HIGHEST_M_S};
-use crate::sensor::error::SensorError;
+use crate::sensor::error::{SensorError, require};
+
+/// Unit vector into a direction.
+pub(super) fn towards(azimuth_deg: f64, elevation_deg: f64) -> [f64; 3] {
+    let (azimuth, elevation) = (azimuth_deg.to_radians(), elevation_deg.to_radians());
+    [elevation.cos() * azimuth.cos(), elevation.cos() * azimuth.sin(), elevation.sin()]
+}
+
+/// Along the mean, across it and horizontal (to its left), and the third, which looks up as far as
+/// it can.
+pub(super) fn axes(azimuth_deg: f64, elevation_deg: f64) -> [[f64; 3]; 3] {
+    let upwards = towards(azimuth_deg + 180.0, 90.0 - elevation_deg);
+    [towards(azimuth_deg, elevation_deg), towards(azimuth_deg + 90.0, 0.0), upwards]
+}
+
+pub(super) fn added(wind: [f64; 3], into: [f64; 3], m_s: f64) -> [f64; 3] {
+    [0, 1, 2].map(|k| wind[k] + m_s * into[k])
+}
+
+/// No gust, sine or dust devil may add more than this, m/s.
+pub(super) const HIGHEST_M_S: f64 = 100.0;
+
+/// A table of an entry, as `wind[2].gust`.
+#[derive(Clone, Copy)]
+pub(super) struct EntryTable {
+    pub entry: usize,
+    /// Empty for the entry itself.
+    pub name: &'static str,
+}
+
+impl EntryTable {
+    /// Refuses a number of the table that is not right.
+    pub(super) fn require(self, right: bool, key: &str, value: f64, expected: &str) -> Result<(), SensorError> {
+        let dot = if self.name.is_empty() { "" } else { "." };
+        require(right, &format!("wind[{}].{}{dot}{key}", self.entry, self.name), value, expected)
+    }
+}
+
+/// A rise of the wind that comes and goes once.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Gust {
+    /// After the entry's start.
+    pub start_s: f64,
+    /// From its start to its end, s.
+    pub duration_s: f64,
+    /// G, on top of the mean; negative for a lull.
+    pub rise_m_s: f64,
+    /// Into which it goes; along the mean if not given.
+    pub azimuth_deg: Option<f64>,
+    /// Its elevation, °; that of the mean if not given.
+    pub elevation_deg: Option<f64>,
+}
+
+impl Gust {
+    /// Speed `time_s` after the entry's start.
+    pub(super) fn rise_at_m_s(&self, time_s: f64) -> f64 {
+        let phase = (time_s - self.start_s) / self.duration_s;
+        if !(0.0..=1.0).contains(&phase) {
+            return 0.0;
+        }
+        0.5 * self.rise_m_s * (1.0 - (std::f64::consts::TAU * phase).cos())
+    }
+
+    /// Unit vector of its direction on top of a mean.
+    pub(super) fn towards(&self, mean_azimuth_deg: f64, mean_elevation_deg: f64) -> [f64; 3] {
+        towards(self.azimuth_deg.unwrap_or(mean_azimuth_deg), self.elevation_deg.unwrap_or(mean_elevation_deg))
+    }
+
+    pub(super) fn check(&self, entry: usize, speed_m_s: f64, sample_period_s: f64) -> Result<(), SensorError> {
+        let Self { start_s, duration_s, rise_m_s, .. } = *self;
+        let (azimuth_deg, elevation_deg) = (self.azimuth_deg.unwrap_or(0.0), self.elevation_deg.unwrap_or(0.0));
+        let table = EntryTable { entry, name: "gust" };
+        let later = start_s.is_finite() && start_s >= 0.0;
+        table.require(later, "start_s", start_s, "0 or more: it counts from the entry's start")?;
+        let long = duration_s.is_finite() && duration_s >= 2.0 * sample_period_s;
+        table.require(long, "duration_s", duration_s, "two sample periods or more")?;
+        let expected = "100 at most, and a lull no more than the entry's `speed_m_s`";
+        table.require((-speed_m_s..=HIGHEST_M_S).contains(&rise_m_s), "rise_m_s", rise_m_s, expected)?;
+        table.require(azimuth_deg.is_finite(), "azimuth_deg", azimuth_deg, "a finite angle")?;
+        table.require((-90.0..=90.0).contains(&elevation_deg), "elevation_deg", elevation_deg, "-90 to 90")
+    }
+}
+
+/// Of the speed.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sine {
+    /// Amplitude, m/s.
+    pub amplitude_m_s: f64,
+    /// Frequency, Hz.
+    pub frequency_hz: f64,
+}
+
+/// Of the azimuth.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DirectionSwing {
+    /// Amplitude, °.
+    pub amplitude_deg: f64,
+    /// Frequency, Hz.
+    pub frequency_hz: f64,
+}
+
+impl Sine {
+    pub(super) fn rise_m_s(&self, time_s: f64) -> f64 {
+        self.amplitude_m_s * (std::f64::consts::TAU * self.frequency_hz * time_s).sin()
+    }
+
+    pub(super) fn check(&self, entry: usize, speed_m_s: f64, sample_period_s: f64) -> Result<(), SensorError> {
+        let (table, amplitude_m_s) = (EntryTable { entry, name: "sine" }, self.amplitude_m_s);
+        let expected = "0 to the entry's `speed_m_s`, so that the wind does not turn";
+        table.require((0.0..=speed_m_s).contains(&amplitude_m_s), "amplitude_m_s", amplitude_m_s, expected)?;
+        check_frequency(table, self.frequency_hz, sample_period_s)
+    }
+}
+
+impl DirectionSwing {
+    pub(super) fn angle_deg(&self, time_s: f64) -> f64 {
+        self.amplitude_deg * (std::f64::consts::TAU * self.frequency_hz * time_s).sin()
+    }
+
+    pub(super) fn check(&self, entry: usize, sample_period_s: f64) -> Result<(), SensorError> {
+        let (table, amplitude_deg) = (EntryTable { entry, name: "swing" }, self.amplitude_deg);
+        table.require((0.0..=180.0).contains(&amplitude_deg), "amplitude_deg", amplitude_deg, "0 to 180")?;
+        check_frequency(table, self.frequency_hz, sample_period_s)
+    }
+}
+
+/// Refuses a frequency that sample periods cannot carry.
+fn check_frequency(table: EntryTable, frequency_hz: f64, sample_period_s: f64) -> Result<(), SensorError> {
+    // A millionth for a half sample rate that is one but for rounding.
+    let right = frequency_hz > 0.0 && frequency_hz * sample_period_s <= 0.5 * (1.0 + 1e-6);
+    table.require(right, "frequency_hz", frequency_hz, "more than 0 and at most half the sample rate")
+}
 
 /// A vortex that takes longer than this for a metre stands still.
 const SLOWEST_TRAVEL_M_S: f64 = 0.01;
@@ -92,6 +258,40 @@ impl DustDevil {
 
 #[cfg(test)]
 mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gust_rises_to_its_middle_and_is_smooth_at_its_ends() {
+        let gust = Gust { start_s: 2.0, duration_s: 4.0, rise_m_s: 6.0, azimuth_deg: Some(90.0), elevation_deg: None };
+        assert_eq!([0.0, 1.99, 2.0, 6.01, 100.0].map(|t| gust.rise_at_m_s(t)), [0.0; 5]);
+        assert!((gust.rise_at_m_s(4.0) - 6.0).abs() < 1e-12 && (gust.rise_at_m_s(3.0) - 3.0).abs() < 1e-12);
+        // Half of G in the mean; sums of a period of a cosine are exact.
+        let mean = (0..400).map(|k| gust.rise_at_m_s(2.005 + 0.01 * f64::from(k))).sum::<f64>() / 400.0;
+        assert!((mean - 3.0).abs() < 1e-12, "{mean}");
+        // Near an end it begins as G (π t/D)².
+        let expected = 6.0 * (std::f64::consts::PI * 1e-3 / 4.0).powi(2);
+        assert!((gust.rise_at_m_s(2.001) / expected - 1.0).abs() < 1e-5);
+        let [x, y, z] = gust.towards(0.0, 30.0);
+        assert!(x.abs() < 1e-15 && (y - 0.75_f64.sqrt()).abs() < 1e-15 && (z - 0.5).abs() < 1e-15);
+    }
+}
+
+#[cfg(test)]
+mod sine_tests {
+    use super::*;
+
+    #[test]
+    fn speed_and_direction_swing_about_the_mean() {
+        let sine = Sine { amplitude_m_s: 2.0, frequency_hz: 0.5 };
+        assert_eq!(sine.rise_m_s(0.0), 0.0);
+        assert!((sine.rise_m_s(0.5) - 2.0).abs() < 1e-12 && (sine.rise_m_s(1.5) + 2.0).abs() < 1e-12);
+        let swing = DirectionSwing { amplitude_deg: 30.0, frequency_hz: 2.0 };
+        assert!((swing.angle_deg(0.125) - 30.0).abs() < 1e-12 && swing.angle_deg(0.5).abs() < 1e-12);
+    }
+}
+
+#[cfg(test)]
+mod dust_devil_tests {
     use super::*;
 
     const DEVIL: DustDevil = DustDevil {
