@@ -170,7 +170,7 @@ fn standard_uncertainties_include_what_the_amplitudes_cannot_follow() {
         }
         let found = calibrate(&tunnel.head(), &readings).unwrap();
         assert!(found.chi_square > 1.5 * found.degrees_of_freedom, "{found}");
-        assert_eq!(found.grade().name(), "good", "{found}");
+        assert_eq!(serde_json::json!(found.grade()), "good", "{found}");
         scores.add(&tunnel, &found);
     }
     for (name, rms, within) in scores.summary(2.0) {
