@@ -1,8 +1,8 @@
 //! The equations of the fit: their derivatives, and how winds are left out.
 
+use anemometry::calibrate::surfaces::cross_validation::folds;
 use anemometry::calibrate::surfaces::equations::{LAST, SurfaceProblem};
 use anemometry::calibrate::surfaces::family::AmplitudeFamily;
-use anemometry::calibrate::surfaces::cross_validation::folds;
 use anemometry::calibrate::surfaces::readings::{ready, winds};
 use anemometry::calibrate::{DrawnSurfaces, Gravity, Scheme, SoughtConvection};
 use dr_core::wind::HeadForm;

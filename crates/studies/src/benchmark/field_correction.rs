@@ -3,8 +3,8 @@
 use anemometry::head::Head;
 use anemometry::wind::field_correction::{FieldCorrection, SlowErrorKind, SlowEvidence};
 use anemometry::wind::gas_uncertainty::GasUncertainty;
-use anemometry::wind::moment::Ticks;
 use anemometry::wind::moment::Moment;
+use anemometry::wind::moment::Ticks;
 use anyhow::Result;
 use host_sim::experiment::Experiment;
 use wire::WindSample;

@@ -9,8 +9,8 @@ use crate::thesis::record::rows;
 use anemometry::head::calibration::checked::Calibration;
 use anemometry::head::{Head, WindOutput};
 use anemometry::wind::gas_uncertainty::{GasReadingErrors, GasUncertainty};
-use anemometry::wind::moment::Ticks;
 use anemometry::wind::moment::Moment;
+use anemometry::wind::moment::Ticks;
 use anemometry::wind::off_line::OffLineAnemometer;
 use host_sim::experiment::Experiment;
 
