@@ -19,13 +19,26 @@ from __future__ import annotations
 
 import os as _os
 from importlib import metadata as _metadata
+from typing import TYPE_CHECKING as _TYPE_CHECKING
 
 from . import _anemo, _commands
 from ._anemo import Model, Table
 from ._commands import *  # noqa: F403
 from ._error import Error, Interrupted
 from ._results import Experiment, Head, Network, Report
-from ._sweep import sweep
+
+if _TYPE_CHECKING:
+    from ._sweep import sweep
+else:
+
+    def __getattr__(name):
+        # Who sweeps loads numpy and Dask.
+        if name == "sweep":
+            from ._sweep import sweep
+
+            return sweep
+        raise AttributeError(f"module 'anemo' has no attribute '{name}'")
+
 
 __version__ = _metadata.version("anemo")
 __all__ = [

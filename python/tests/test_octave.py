@@ -86,7 +86,7 @@ def test_octave_predicts_what_validate_predicts(short, tmp_path, options):
 
 
 def test_a_csv_and_a_mat_file_are_the_same_record(short, tmp_path):
-    anemo.simulate(short, output=tmp_path / "run.csv")
+    anemo.simulate(short, output_file=tmp_path / "run.csv")
     save_mat(tmp_path / "run.mat", anemo.load(tmp_path / "run.csv"))
     printed = octave(
         tmp_path,

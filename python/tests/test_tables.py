@@ -32,7 +32,7 @@ def test_columns_are_handed_on_without_a_copy(prbs):
 def test_a_recording_says_of_itself_what_its_file_says(prbs, short, tmp_path):
     assert prbs.metadata["format"] == "2" and "sphere" in prbs.metadata["head"]
     path = tmp_path / "short.parquet"
-    anemo.simulate(short, output=path)
+    anemo.simulate(short, output_file=path)
     read = anemo.load(path)
     table = anemo.simulate(short)
     assert table.metadata["hash"] == read.metadata["hash"]
