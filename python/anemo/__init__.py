@@ -31,7 +31,7 @@ if _TYPE_CHECKING:
     from ._sweep import sweep
 else:
 
-    def __getattr__(name):
+    def __getattr__(name: str) -> object:
         # Who sweeps loads numpy and Dask.
         if name == "sweep":
             from ._sweep import sweep
