@@ -124,6 +124,10 @@ def sweep(
     plan.folder.mkdir(parents=True, exist_ok=True)
     with contextlib.ExitStack() as stack:
         if client is None:
+            main = sys.modules["__main__"]
+            if not os.path.exists(getattr(main, "__file__", None) or ""):
+                # A script from stdin has a file that is not there. Workers would look for it.
+                vars(main).pop("__file__", None)
             cores = len(os.sched_getaffinity(0))
             cluster = dask.LocalCluster(n_workers=cores, threads_per_worker=1, dashboard_address=None)
             client = stack.enter_context(dask.Client(stack.enter_context(cluster)))

@@ -23,6 +23,17 @@ STEADY = EXPERIMENTS / "steady.toml"
 SECOND = {"duration_s": [1.0]}
 
 
+def test_a_script_from_stdin_sweeps(tmp_path):
+    script = f"""
+import anemo
+
+table = anemo.sweep({str(STEADY)!r}, {{"seed": [1, 2]}}, results={str(tmp_path / "out")!r})
+print(set(table["failed"]))
+"""
+    done = subprocess.run([sys.executable, "-"], input=script, capture_output=True, text=True, timeout=120)
+    assert done.stdout.strip() == "{''}", done.stderr
+
+
 def killed_once(marker: Path) -> None:
     """Kills the worker, unless one was killed before."""
     try:
