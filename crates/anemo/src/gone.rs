@@ -18,7 +18,7 @@ const MOVED: [(&str, &str); 8] = [
 const GONE: [(&str, &str); 8] = [
     ("gram", "`anemo identify` reads several files of one record in one pass: anemo identify part-*.parquet"),
     ("sweep", "the Python package runs sweeps: anemo.sweep(…), see docs/how-to/sweep.md"),
-    ("laws", "a script compares laws of response: python/gallery/laws.py"),
+    ("laws", "a script compares laws of response: python/gallery/mems_laws.py"),
     ("convert", "Python and MATLAB read .parquet and .csv recordings: see docs/how-to/read-files.md"),
     ("example", "the tests identify systems that are known exactly: cargo test --release -p diffusive"),
     ("thesis", "a program of the checkout does this: cargo run --release -p studies -- thesis"),
@@ -125,5 +125,11 @@ mod tests {
             assert!(leaf.is_some(), "{new} does not exist");
         }
         assert!(GONE.iter().all(|(old, _)| root.find_subcommand(old).is_none()));
+        // Files that the answers name are there.
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let named = GONE.iter().flat_map(|(_, now)| now.split(' ')).filter(|word| word.contains('/'));
+        for file in named {
+            assert!(folder.join(file).is_file(), "{file}");
+        }
     }
 }
