@@ -170,10 +170,11 @@ enum Unparsed {
 
 /// Parses the words after `anemo`.
 fn parsed(words: &[String]) -> Result<CommandLine, Unparsed> {
-    if let Some(failure) = gone::refusal(&command(), words) {
+    let command = command();
+    if let Some(failure) = gone::refusal(&command, words) {
         return Err(Unparsed::Refused(failure));
     }
-    let matches = command().try_get_matches_from(std::iter::once("anemo").chain(words.iter().map(String::as_str)));
+    let matches = command.try_get_matches_from(std::iter::once("anemo").chain(words.iter().map(String::as_str)));
     matches.and_then(|matches| CommandLine::from_arg_matches(&matches)).map_err(|error| match error.kind() {
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => Unparsed::Shown(error),
         _ if error.use_stderr() => Unparsed::Refused(output::Failure::usage(one_sentence(&error, words))),
