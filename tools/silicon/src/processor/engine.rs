@@ -6,12 +6,13 @@
 //! an interrupt is late by the rest of one, some ten instructions.
 //!
 //! The sectors of the settings are registers rather than memory here: loads and stores of them go
-//! to the model of the flash.
+//! to the model of the flash. ST's system memory is answered here, address by address, since a
+//! region of the memory protection may be smaller than Unicorn's pages.
 
-use super::bus::{MemoryJob, ProcessorBus};
+use super::bus::{BusFault, MemoryJob, ProcessorBus};
 use super::cycles::BlockCosts;
 use super::exception::{self, ENTRY_CYCLES, RETURN_CYCLES};
-use super::mpu::Mpu;
+use super::mpu::{MemoryRights, Mpu};
 use super::nvic::HARD_FAULT;
 use std::ops::Range;
 use unicorn_engine::{Arch, ArmCpuModel, Mode, Prot, RegisterARM, Unicorn, uc_error};
@@ -23,11 +24,18 @@ const FLASH_END: u64 = 0x0810_0000;
 /// ST's own memory, of which a number that is unique is read (RM0090, 39.1).
 const SYSTEM_MEMORY: Range<u64> = 0x1fff_7000..0x1fff_8000;
 const UNIQUE_ID: u64 = 0x1fff_7a10;
+const UNIQUE_ID_BYTES: &[u8; 12] = b"anemo-unique";
+/// Unicorn gives rights by pages of this size.
+const PAGE: u64 = 1024;
+/// The smallest region of the memory protection.
+const LEAST_REGION: usize = 32;
 pub(super) const RAM: u64 = 0x2000_0000;
 pub(super) const RAM_BYTES: usize = 128 * 1024;
-/// Peripherals; their aliases by bits; the core's own.
-const REGISTERS: [Range<u64>; 4] =
-    [SETTINGS, 0x4000_0000..0x4010_0000, 0x4200_0000..0x4400_0000, 0xe000_0000..0xe010_0000];
+/// Memory that Unicorn holds itself.
+const MEMORIES: [Range<u64>; 3] = [RAM..RAM + RAM_BYTES as u64, FLASH..SETTINGS.start, SETTINGS.end..FLASH_END];
+/// Settings; ST's memory; peripherals; their aliases by bits; the core's own.
+const REGISTERS: [Range<u64>; 5] =
+    [SETTINGS, SYSTEM_MEMORY, 0x4000_0000..0x4010_0000, 0x4200_0000..0x4400_0000, 0xe000_0000..0xe010_0000];
 /// What is charged for a sleep that ends at once, since something waits that a mask keeps from
 /// being handled: an idle task would go round and round.
 const FUTILE_SLEEP_CYCLES: u32 = 1_000;
@@ -117,8 +125,6 @@ impl<B: ProcessorBus + 'static> Processor<B> {
             let bytes = &flash[(code.start - FLASH) as usize..(code.end - FLASH) as usize];
             unicorn.mem_write(code.start, bytes)?;
         }
-        unicorn.mem_map(SYSTEM_MEMORY.start, SYSTEM_MEMORY.end - SYSTEM_MEMORY.start, Prot::READ)?;
-        unicorn.mem_write(UNIQUE_ID, b"anemo-unique")?;
         for Range { start, end } in REGISTERS {
             unicorn.mmio_map(
                 start,
@@ -127,9 +133,15 @@ impl<B: ProcessorBus + 'static> Processor<B> {
                     let address = (start + offset) as u32;
                     let around = unicorn.get_data_mut();
                     let may_read = is_core(address) || around.bus.mpu().rights(address).read;
-                    match around.bus.load(address, size) {
-                        Ok(value) if may_read => u64::from(value),
-                        _ => {
+                    let is_system_memory = SYSTEM_MEMORY.contains(&u64::from(address));
+                    let loaded = match may_read {
+                        true if is_system_memory => Ok(system_memory(address, size)),
+                        true => around.bus.load(address, size),
+                        false => Err(BusFault(address)),
+                    };
+                    match loaded {
+                        Ok(value) => u64::from(value),
+                        Err(_) => {
                             around.bus_fault = Some(address);
                             0
                         }
@@ -140,7 +152,8 @@ impl<B: ProcessorBus + 'static> Processor<B> {
                     let is_masked = unicorn.reg_read(RegisterARM::PRIMASK).is_ok_and(|mask| mask & 1 == 1);
                     let around = unicorn.get_data_mut();
                     around.bus.holds_back(is_masked);
-                    let may_write = is_core(address) || around.bus.mpu().rights(address).write;
+                    let is_system_memory = SYSTEM_MEMORY.contains(&u64::from(address));
+                    let may_write = is_core(address) || !is_system_memory && around.bus.mpu().rights(address).write;
                     if !may_write || around.bus.store(address, size, value as u32).is_err() {
                         around.bus_fault = Some(address);
                     }
@@ -244,20 +257,15 @@ impl<B: ProcessorBus + 'static> Processor<B> {
             return Ok(());
         }
         self.protected_by = mpu;
-        for Range { start, end } in [RAM..RAM + RAM_BYTES as u64, FLASH..SETTINGS.start, SETTINGS.end..FLASH_END] {
-            let rights = mpu.rights(start as u32);
-            let mut allowed = Prot::NONE;
-            for (is_allowed, right) in [
-                (rights.read, Prot::READ),
-                // Code is never stored to: that is a fault with or without protection.
-                (rights.write && start == RAM, Prot::WRITE),
-                (rights.execute, Prot::EXEC),
-            ] {
-                if is_allowed {
-                    allowed |= right;
-                }
+        for Range { start, end } in MEMORIES {
+            let mut from = start;
+            while from < end {
+                let allowed = page_rights(&mpu, from);
+                let pages = (from..end).step_by(PAGE as usize);
+                let to = pages.clone().find(|&page| page_rights(&mpu, page) != allowed).unwrap_or(end);
+                self.unicorn.mem_protect(from, to - from, allowed)?;
+                from = to;
             }
-            self.unicorn.mem_protect(start, end - start, allowed)?;
         }
         Ok(())
     }
@@ -361,6 +369,34 @@ impl<B: ProcessorBus + 'static> Processor<B> {
         self.unicorn.mem_read(address.into(), &mut bytes)?;
         Ok(u32::from_le_bytes(bytes))
     }
+}
+
+/// What may be done in all of a page that Unicorn holds.
+fn page_rights(mpu: &Mpu, page: u64) -> Prot {
+    let all = (page..page + PAGE).step_by(LEAST_REGION).map(|address| mpu.rights(address as u32));
+    // Code is never stored to: that is a fault with or without protection.
+    let first = MemoryRights { read: true, write: page >= RAM, execute: true };
+    let rights = all.fold(first, |rights, of| MemoryRights {
+        read: rights.read && of.read,
+        write: rights.write && of.write,
+        execute: rights.execute && of.execute,
+    });
+    let mut allowed = Prot::NONE;
+    for (is_allowed, right) in [(rights.read, Prot::READ), (rights.write, Prot::WRITE), (rights.execute, Prot::EXEC)] {
+        if is_allowed {
+            allowed |= right;
+        }
+    }
+    allowed
+}
+
+/// Bytes of ST's memory: the number that is unique, and what flash holds that is erased.
+fn system_memory(address: u32, size: usize) -> u32 {
+    let byte = |i: u64| {
+        let place = (u64::from(address) + i).checked_sub(UNIQUE_ID);
+        place.and_then(|place| UNIQUE_ID_BYTES.get(place as usize)).copied().unwrap_or(0xff)
+    };
+    (0..size as u64).rev().fold(0, |word, i| word << 8 | u32::from(byte(i)))
 }
 
 /// Whether it is a register of the core, which is outside of the memory protection.

@@ -4,9 +4,9 @@
 //! number counts. Where there is none, an access is a fault, or goes by the default map if
 //! PRIVDEFENA is set.
 //!
-//! Limits: all code is privileged here. The rights of RAM and of code are those of their first
-//! byte. The core's own registers are outside of the unit. It protects in the handlers of NMI and
-//! hard fault as well, where it does not on the chip unless HFNMIENA is set.
+//! Limits: all code is privileged here. RAM and code have rights by pages of 1 KiB: those that hold
+//! in all of a page. The core's own registers are outside of the unit. It protects in the handlers
+//! of NMI and hard fault as well, where it does not on the chip unless HFNMIENA is set.
 
 const ENABLE: u32 = 1;
 const DEFAULT_MAP: u32 = 1 << 2;
