@@ -2,7 +2,7 @@
 //! messages.
 
 use crate::board::{self, Watchdog};
-use cortex_m::peripheral::{SYST, syst::SystClkSource};
+use crate::ticking::BEATS_PER_SECOND;
 use dr_core::control::RunState;
 use dr_core::wind::{QualityFlags, WindTick};
 use firmware::azimuth::azimuth_deg;
@@ -12,9 +12,6 @@ use wire::{Identity, Name, ResetCause};
 
 /// Name and version of this firmware.
 pub const NAME: &str = env!("ANEMO_FIRMWARE_NAME");
-
-/// Beats of the health task a second. SysTick's 24 bits allow no less than 10 at 168 MHz.
-const BEATS_PER_SECOND: u32 = 20;
 
 /// What the health task remembers.
 pub struct Health {
@@ -47,15 +44,6 @@ impl Health {
     pub const fn uptime_s(&self) -> u32 {
         self.uptime_s
     }
-}
-
-/// Lets SysTick raise the health task.
-pub fn start_ticking(syst: &mut SYST) {
-    syst.set_clock_source(SystClkSource::Core);
-    syst.set_reload(board::CLOCK_HZ / BEATS_PER_SECOND - 1);
-    syst.clear_current();
-    syst.enable_counter();
-    syst.enable_interrupt();
 }
 
 /// Who this is.

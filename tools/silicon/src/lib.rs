@@ -58,6 +58,7 @@
 //! lives, flipped bits, a minute of a run (`cargo xtask campaign` for more of the last three).
 //! `equal_bits` hands the readings that the board has taken to a controller in this process, and
 //! `against_qemu` runs images of the virtual board here and in QEMU: both are equal to the bit.
+//! `verdicts` asks both cores of protection, faults, priorities and SysTick.
 //!
 //! **Limits.** It agrees with our reading of the manuals, not with chips: no wait states, no
 //! contention for buses, no write buffers, no imprecise faults, no errata, nothing analogue but the

@@ -3,6 +3,7 @@
 
 use silicon::processor::Processor;
 use silicon::processor::bus::{BusFault, MemoryJob, ProcessorBus};
+use silicon::processor::fault::FaultStatus;
 use silicon::processor::mpu::Mpu;
 use silicon::processor::nvic::{FIRST_INTERRUPT, Nvic};
 
@@ -39,6 +40,7 @@ const FAULT: &[u16] = &[0x2055, 0x2240, 0x0612, 0x6050, 0xe7fe];
 struct Notebook {
     now: u64,
     nvic: Nvic,
+    faults: FaultStatus,
     mpu: Mpu,
     interrupt_at: u64,
     attention: bool,
@@ -61,6 +63,10 @@ impl ProcessorBus for Notebook {
 
     fn nvic(&mut self) -> &mut Nvic {
         &mut self.nvic
+    }
+
+    fn faults(&mut self) -> &mut FaultStatus {
+        &mut self.faults
     }
 
     fn mpu(&self) -> &Mpu {
@@ -146,7 +152,15 @@ fn run(outer: u8, inner: u8) -> Vec<(u32, u32)> {
     nvic.write_enable(0, 0b11, true);
     nvic.set_priority_byte(FIRST_INTERRUPT, outer);
     nvic.set_priority_byte(FIRST_INTERRUPT + 1, inner);
-    let bus = Notebook { now: 0, mpu: Mpu::default(), nvic, interrupt_at: 1_000, attention: false, stores: Vec::new() };
+    let bus = Notebook {
+        now: 0,
+        faults: FaultStatus::default(),
+        mpu: Mpu::default(),
+        nvic,
+        interrupt_at: 1_000,
+        attention: false,
+        stores: Vec::new(),
+    };
     let mut core = Processor::new(bus, &flash()).unwrap();
     core.start().unwrap();
     core.run(5_000).unwrap();
@@ -185,7 +199,15 @@ fn load_from(address: u32, regions: &[(u32, u32)]) -> Vec<(u32, u32)> {
     }
     mpu.store(0x04, u32::from(!regions.is_empty()));
     let (nvic, stores) = (Nvic::default(), Vec::new());
-    let bus = Notebook { now: 0, mpu, nvic, interrupt_at: u64::MAX, attention: false, stores };
+    let bus = Notebook {
+        now: 0,
+        faults: FaultStatus::default(),
+        mpu,
+        nvic,
+        interrupt_at: u64::MAX,
+        attention: false,
+        stores,
+    };
     let mut core = Processor::new(bus, &flash).unwrap();
     core.start().unwrap();
     core.run(1_000).unwrap();

@@ -102,8 +102,10 @@ impl TestPrograms {
 /// The emulator, which comes out of the network, and images for it and for the models of the chips.
 fn images() -> Result<[PathBuf; 2]> {
     install::qemu()?;
-    // For `safety`, which comes next.
-    artefacts::image("overflow", FirmwareBoard::Virtual)?;
+    // For `safety`, which comes next, and for the two cores.
+    for bin in ["overflow", "verdicts"] {
+        artefacts::image(bin, FirmwareBoard::Virtual)?;
+    }
     Ok([artefacts::firmware(FirmwareBoard::Virtual)?, artefacts::firmware(FirmwareBoard::Sensor)?])
 }
 

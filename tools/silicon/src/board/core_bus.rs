@@ -5,6 +5,7 @@ use super::waiting::WaitingLoop;
 use super::{ACCESS_CYCLES, Board, DEBUG_SLEEP};
 use crate::complaint::BrokenRule;
 use crate::processor::bus::{BusFault, MemoryJob, ProcessorBus};
+use crate::processor::fault::FaultStatus;
 use crate::processor::mpu::Mpu;
 use crate::processor::nvic::Nvic;
 use crate::soc::access::Access;
@@ -53,6 +54,10 @@ impl ProcessorBus for Board {
 
     fn nvic(&mut self) -> &mut Nvic {
         &mut self.system.nvic
+    }
+
+    fn faults(&mut self) -> &mut FaultStatus {
+        &mut self.system.faults
     }
 
     fn mpu(&self) -> &Mpu {

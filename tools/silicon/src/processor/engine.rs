@@ -12,10 +12,11 @@
 use super::bus::{BusFault, MemoryJob, ProcessorBus};
 use super::cycles::BlockCosts;
 use super::exception::{self, ENTRY_CYCLES, RETURN_CYCLES};
-use super::mpu::{MemoryRights, Mpu};
+use super::fault::{Fault, Purpose};
+use super::mpu::{ALL_RIGHTS, MemoryRights, Mpu};
 use super::nvic::HARD_FAULT;
 use std::ops::Range;
-use unicorn_engine::{Arch, ArmCpuModel, Mode, Prot, RegisterARM, Unicorn, uc_error};
+use unicorn_engine::{Arch, ArmCpuModel, HookType, MemType, Mode, Prot, RegisterARM, Unicorn, uc_error};
 
 const FLASH: u64 = 0x0800_0000;
 /// Sectors 1 to 3.
@@ -41,8 +42,12 @@ const REGISTERS: [Range<u64>; 5] =
 const FUTILE_SLEEP_CYCLES: u32 = 1_000;
 /// How Unicorn names the jump to a value that returns from an exception.
 const EXCEPTION_EXIT: u32 = 8;
-/// And a breakpoint.
+/// And a breakpoint, a place that is no code, an instruction of a coprocessor.
 const BREAKPOINT: u32 = 7;
+const PREFETCH_ABORT: u32 = 3;
+const NO_COPROCESSOR: u32 = 17;
+/// Bit of xPSR.
+const THUMB: u64 = 1 << 24;
 /// Where no code stands, so that no block is the last. Zero, since Unicorn translates whatever is
 /// at another address anew after every stop.
 const NOWHERE: u64 = 0;
@@ -84,7 +89,7 @@ pub struct Surroundings<B> {
     /// The last stop was asked for by a hook.
     stopped: bool,
     pub(super) exception: Option<u32>,
-    pub(super) bus_fault: Option<u32>,
+    pub(super) refused: Option<Fault>,
     emulated_blocks: u64,
 }
 
@@ -112,7 +117,7 @@ impl<B: ProcessorBus + 'static> Processor<B> {
             is_masked: false,
             stopped: false,
             exception: None,
-            bus_fault: None,
+            refused: None,
             emulated_blocks: 0,
         };
         let mut unicorn = Unicorn::new_with_data(Arch::ARM, Mode::MCLASS, surroundings)?;
@@ -132,7 +137,7 @@ impl<B: ProcessorBus + 'static> Processor<B> {
                 Some(move |unicorn: &mut Unicorn<'_, Surroundings<B>>, offset: u64, size: usize| {
                     let address = (start + offset) as u32;
                     let around = unicorn.get_data_mut();
-                    let may_read = is_core(address) || around.bus.mpu().rights(address).read;
+                    let may_read = is_core(address) || rights(&mut around.bus, address).read;
                     let is_system_memory = SYSTEM_MEMORY.contains(&u64::from(address));
                     let loaded = match may_read {
                         true if is_system_memory => Ok(system_memory(address, size)),
@@ -142,7 +147,7 @@ impl<B: ProcessorBus + 'static> Processor<B> {
                     match loaded {
                         Ok(value) => u64::from(value),
                         Err(_) => {
-                            around.bus_fault = Some(address);
+                            around.refused = Some(Fault::Access(Purpose::Load, address));
                             0
                         }
                     }
@@ -153,14 +158,23 @@ impl<B: ProcessorBus + 'static> Processor<B> {
                     let around = unicorn.get_data_mut();
                     around.bus.holds_back(is_masked);
                     let is_system_memory = SYSTEM_MEMORY.contains(&u64::from(address));
-                    let may_write = is_core(address) || !is_system_memory && around.bus.mpu().rights(address).write;
+                    let may_write = is_core(address) || !is_system_memory && rights(&mut around.bus, address).write;
                     if !may_write || around.bus.store(address, size, value as u32).is_err() {
-                        around.bus_fault = Some(address);
+                        around.refused = Some(Fault::Access(Purpose::Store, address));
                     }
                     do_memory_jobs(unicorn);
                 }),
             )?;
         }
+        unicorn.add_mem_hook(HookType::MEM_INVALID, 1, 0, |unicorn, kind, address, _, _| {
+            let purpose = match kind {
+                MemType::READ_UNMAPPED | MemType::READ_PROT => Purpose::Load,
+                MemType::WRITE_UNMAPPED | MemType::WRITE_PROT => Purpose::Store,
+                _ => Purpose::Instruction,
+            };
+            unicorn.get_data_mut().refused = Some(Fault::Access(purpose, address as u32));
+            false
+        })?;
         unicorn.add_block_hook(1, 0, at_block)?;
         unicorn.add_intr_hook(|unicorn, number| {
             unicorn.get_data_mut().exception = Some(number);
@@ -230,8 +244,8 @@ impl<B: ProcessorBus + 'static> Processor<B> {
                 continue;
             }
             bus.attended();
-            self.protect()?;
             self.take_exceptions()?;
+            self.protect()?;
             if self.is_asleep {
                 if self.bus_mut().nvic().wakes() {
                     self.is_asleep = false;
@@ -252,7 +266,7 @@ impl<B: ProcessorBus + 'static> Processor<B> {
 
     /// Gives the memories the rights that the memory protection unit says, if it has changed.
     fn protect(&mut self) -> Result<(), ProcessorError> {
-        let mpu = *self.bus().mpu();
+        let mpu = effective_mpu(self.bus_mut());
         if mpu == self.protected_by {
             return Ok(());
         }
@@ -288,8 +302,12 @@ impl<B: ProcessorBus + 'static> Processor<B> {
         if let Some(number) = around.exception.take() {
             return self.unicorn_exception(number);
         }
-        if ended.is_err() || around.bus_fault.take().is_some() {
-            return self.fault();
+        if let Some(refused) = around.refused.take() {
+            return self.fault(refused);
+        }
+        if ended.is_err() {
+            let is_thumb = self.unicorn.reg_read(RegisterARM::XPSR)? & THUMB != 0;
+            return self.fault(if is_thumb { Fault::Undefined } else { Fault::NotThumb });
         }
         if !around.stopped {
             self.is_asleep = true;
@@ -304,7 +322,11 @@ impl<B: ProcessorBus + 'static> Processor<B> {
             return Ok(());
         }
         if number != EXCEPTION_EXIT {
-            return self.fault();
+            return self.fault(match number {
+                PREFETCH_ABORT => Fault::Access(Purpose::Instruction, self.unicorn.pc_read()? as u32),
+                NO_COPROCESSOR => Fault::NoCoprocessor,
+                _ => Fault::Undefined,
+            });
         }
         let counter = self.unicorn.reg_read(RegisterARM::PC)? as u32;
         let link = if counter >> 28 == 0xf { counter } else { self.unicorn.reg_read(RegisterARM::LR)? as u32 };
@@ -315,7 +337,7 @@ impl<B: ProcessorBus + 'static> Processor<B> {
                 bus.spend(RETURN_CYCLES);
                 Ok(())
             }
-            Err(_) => self.fault(),
+            Err(_) => self.frame_fault(),
         }
     }
 
@@ -345,11 +367,22 @@ impl<B: ProcessorBus + 'static> Processor<B> {
         bus.nvic().enter(exception);
         bus.spend(ENTRY_CYCLES);
         // A frame that could not be stored.
-        if entered.is_err() { self.fault() } else { Ok(()) }
+        if entered.is_err() { self.frame_fault() } else { Ok(()) }
+    }
+
+    fn frame_fault(&mut self) -> Result<(), ProcessorError> {
+        let stack = self.unicorn.reg_read(RegisterARM::SP)? as u32;
+        self.fault(Fault::Access(Purpose::Frame, stack))
     }
 
     /// A fault: there is but the hard fault, and inside it the core gives up.
-    fn fault(&mut self) -> Result<(), ProcessorError> {
+    fn fault(&mut self, fault: Fault) -> Result<(), ProcessorError> {
+        let bus = self.bus_mut();
+        let rights = match fault {
+            Fault::Access(_, address) => rights(bus, address),
+            _ => ALL_RIGHTS,
+        };
+        bus.faults().note(fault, rights);
         let is_in_fault = self.bus_mut().nvic().running_priority() <= -1;
         if is_in_fault {
             self.is_locked = true;
@@ -404,6 +437,16 @@ const fn is_core(address: u32) -> bool {
     address >> 20 == 0xe00
 }
 
+/// The memory protection that is in force: none in the handlers of NMI and hard fault, unless
+/// HFNMIENA is set (ARMv7-M architecture, "MPU Control Register").
+fn effective_mpu<B: ProcessorBus>(bus: &mut B) -> Mpu {
+    if bus.nvic().running_priority() < 0 && !bus.mpu().protects_faults() { Mpu::default() } else { *bus.mpu() }
+}
+
+fn rights<B: ProcessorBus>(bus: &mut B, address: u32) -> MemoryRights {
+    effective_mpu(bus).rights(address)
+}
+
 /// The priority before which nothing is handled, by the mask registers.
 fn mask<D>(unicorn: &Unicorn<'_, D>) -> Result<i32, uc_error> {
     if unicorn.reg_read(RegisterARM::FAULTMASK)? & 1 == 1 {
@@ -419,7 +462,7 @@ fn mask<D>(unicorn: &Unicorn<'_, D>) -> Result<i32, uc_error> {
 /// At the head of every block.
 fn at_block<B: ProcessorBus>(unicorn: &mut Unicorn<'_, Surroundings<B>>, address: u64, length: u32) {
     let around = unicorn.get_data_mut();
-    let mut stops = around.bus.now() >= around.stop_at || around.bus.needs_attention() || around.bus_fault.is_some();
+    let mut stops = around.bus.now() >= around.stop_at || around.bus.needs_attention() || around.refused.is_some();
     if !stops && around.is_masked {
         stops = mask(unicorn).is_ok_and(|mask| {
             let nvic = unicorn.get_data_mut().bus.nvic();

@@ -25,3 +25,4 @@ mod supervision;
 mod supply;
 mod ticks;
 mod upsets;
+mod verdicts;
