@@ -18,6 +18,8 @@ const HYSTERESIS_MV: u32 = 100;
 const POWER_DOWN_MV: u32 = 1_680;
 const RAM_KEEPS_MV: u32 = 800;
 
+/// VOS, which 168 MHz need.
+const SCALE_1: u32 = 1 << 14;
 const DETECTOR_ENABLE: u32 = 1 << 4;
 const DETECTOR_OUTPUT: u32 = 1 << 2;
 
@@ -35,7 +37,7 @@ pub struct Power {
 impl Power {
     /// A supply that is there, with these option bytes.
     pub const fn new(options: u32) -> Self {
-        Self { control: 0, supply_mv: NOMINAL_MV, level: options >> 2 & 3, is_low: false, holds_reset: false }
+        Self { control: SCALE_1, supply_mv: NOMINAL_MV, level: options >> 2 & 3, is_low: false, holds_reset: false }
     }
 
     /// After a reset, which loads the option bytes.

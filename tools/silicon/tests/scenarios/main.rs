@@ -15,6 +15,7 @@ mod lives;
 mod lock_out;
 mod process;
 mod proof;
+mod reset_values;
 mod rig;
 mod self_test;
 mod settings;
