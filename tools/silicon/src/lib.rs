@@ -22,6 +22,7 @@
 //! | [`machine`] | an image on its board |
 //! | [`stream`] | the line as a host has it: the ordinary serial instrument runs on it |
 //! | [`complaint`] | rules of the manuals that the firmware breaks |
+//! | `register_log` | what the firmware does with registers, for `cargo xtask registers` |
 //! | [`witness`] | holds the heaters' pins against what the board reports |
 //! | [`image`], [`log`](mod@log) | the ELF file; its log as a probe reads it |
 //!
@@ -76,6 +77,7 @@ pub mod log;
 pub mod machine;
 pub mod plant;
 pub mod processor;
+mod register_log;
 pub mod soc;
 pub mod stream;
 pub mod time;
