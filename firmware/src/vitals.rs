@@ -52,7 +52,7 @@ pub fn identity(reset: ResetCause, past: CrashRecord) -> Identity {
     // A longer name is cut: it is for people.
     NAME.chars().take_while(|&c| firmware.push(c).is_ok()).for_each(drop);
     let (elements, order) = (board::ELEMENTS as u8, dr_core::model::ORDER as u8);
-    let CrashRecord { starts, crash } = past;
+    let CrashRecord { starts, crash, .. } = past;
     Identity { firmware, board: board::KIND, elements, order, reset, starts, crash, unique_id: board::unique_id() }
 }
 

@@ -1,7 +1,8 @@
 //! The supply and what supervises it: voltage detector, brown-out reset, power-down reset (RM0090,
 //! "PWR"). Levels are typical ones of the data sheet.
 //!
-//! Limit: RAM keeps its content down to a level that no manual states; below it all is lost here.
+//! Limit: RAM keeps its content down to a level that no manual states. Below it a share of its bytes
+//! is lost, which a scenario sets: on a board it depends on time, temperature and capacitors.
 
 use super::rcc::ResetSource;
 
@@ -32,17 +33,21 @@ pub struct Power {
     level: u32,
     is_low: bool,
     holds_reset: bool,
+    /// Bytes of RAM that a gap of the supply costs, %.
+    pub ram_lost_percent: u32,
 }
 
 impl Power {
     /// A supply that is there, with these option bytes.
     pub const fn new(options: u32) -> Self {
-        Self { control: SCALE_1, supply_mv: NOMINAL_MV, level: options >> 2 & 3, is_low: false, holds_reset: false }
+        let (supply_mv, level) = (NOMINAL_MV, options >> 2 & 3);
+        Self { control: SCALE_1, supply_mv, level, is_low: false, holds_reset: false, ram_lost_percent: 100 }
     }
 
     /// After a reset, which loads the option bytes.
     pub const fn reset(self, options: u32) -> Self {
-        Self { supply_mv: self.supply_mv, holds_reset: self.holds_reset, ..Self::new(options) }
+        let Self { supply_mv, holds_reset, ram_lost_percent, .. } = self;
+        Self { supply_mv, holds_reset, ram_lost_percent, ..Self::new(options) }
     }
 
     /// The supply, mV.
