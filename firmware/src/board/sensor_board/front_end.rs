@@ -129,7 +129,9 @@ impl AdcFrontEnd {
         rcc: &mut Rcc,
     ) -> Self {
         let plan = TickPlan::new(FIRST_PERIOD_US).expect("10 ms are 40 conversions");
-        let clock = pins.clock.into_alternate().speed(Speed::Medium);
+        // High, since the bus takes its clock back from the pin: with a slower one at 84 MHz the last
+        // bit of a byte may be that of the byte before (ES0182, 2.12.4).
+        let clock = pins.clock.into_alternate().speed(Speed::High);
         let data_out = pins.data_out.into_alternate().speed(Speed::Medium);
         let bus = Spi::new(spi, (Some(clock), Some(pins.data_in), Some(data_out)), MODE_1, 10_500.kHz(), rcc);
         let device =

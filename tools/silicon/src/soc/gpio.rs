@@ -51,6 +51,11 @@ impl GpioPort {
         self.modes >> (2 * pin) & 3 == 2 && self.alternate[(pin / 8) as usize] >> (4 * (pin % 8)) & 0xf == function
     }
 
+    /// OSPEEDR of a pin.
+    pub const fn speed(&self, pin: u32) -> usize {
+        (self.others[1] >> (2 * pin) & 3) as usize
+    }
+
     /// Levels at the pins; `outside` are those that somebody else drives high.
     fn levels(&self, outside: u32) -> u32 {
         (0..16).fold(0, |levels, pin| {
