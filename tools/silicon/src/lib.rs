@@ -53,8 +53,8 @@
 //! **Speed** on one core of a small virtual machine, six elements with models: 7 times real time at
 //! a tick of 10 ms; a start takes 0.1 s.
 //!
-//! **Tests.** `tests/rules.rs` breaks every rule once, register by register; `tests/exceptions.rs`
-//! runs handlers inside each other; `tests/scenarios` has the image: boot, ticks, closed loop,
+//! **Tests.** `tests/rules.rs` breaks every rule once, register by register; `tests/scenarios` has
+//! the image: boot, ticks, closed loop,
 //! every cause of the guard, crashes in each task, settings, supply, self-test, the line, random
 //! lives, flipped bits, a minute of a run (`cargo xtask campaign` for more of the last three).
 //! `equal_bits` hands the readings that the board has taken to a controller in this process, and
