@@ -32,6 +32,12 @@ EXEMPTIONS = [
         "use the lower byte (28.5.4); the HAL writes bytes, too",
     ),
     (
+        "SVD",
+        "PWR_CR",
+        "reserved 0x4000",
+        "RM0090, \"PWR power control register (PWR_CR) for STM32F405xx/07xx\": VOS is bit 14, one after a reset",
+    ),
+    (
         "SVD PAC",
         "FLASH_OPTCR",
         "reserved 0x10",

@@ -6,6 +6,7 @@ use crate::log::RttLog;
 use crate::plant::SensorPlant;
 use crate::processor::bus::ProcessorBus;
 use crate::processor::{CoreRegisters, Pause, Processor, ProcessorError};
+use crate::register_log;
 use crate::soc::power::NOMINAL_MV;
 use crate::soc::rcc::ResetSource;
 use crate::time::ms;
@@ -91,6 +92,7 @@ impl Machine {
     /// # Errors
     /// If the sensor is none.
     pub fn power_on_image(image: Arc<FlashImage>, config: &MachineConfig) -> Result<Self, MachineError> {
+        register_log::begin();
         let oscillator_hz = config.oscillator_hz.unwrap_or(NOMINAL_OSCILLATOR_HZ);
         let board = Board::new(SensorPlant::new(&config.sensor)?, oscillator_hz);
         let mut core = Processor::new(board, &image.flash)?;

@@ -28,9 +28,18 @@ struct RegisterUse {
     zeros: u32,
 }
 
-/// By address and width in bytes.
 #[derive(Default)]
-struct RegisterLog(HashMap<(u32, usize), RegisterUse>);
+struct RegisterLog {
+    /// An image runs in this thread. Registers of a board that a test uses by itself do not count.
+    has_image: bool,
+    /// By address and width in bytes.
+    registers: HashMap<(u32, usize), RegisterUse>,
+}
+
+/// An image runs in this thread from now on.
+pub fn begin() {
+    LOG.with_borrow_mut(|log| log.has_image = FOLDER.is_some());
+}
 
 /// The firmware reads a register.
 pub fn read(address: u32, size: usize) {
@@ -46,16 +55,18 @@ pub fn written(address: u32, size: usize, value: u32, bits: u32) {
 }
 
 fn note(address: u32, size: usize, change: impl FnOnce(&mut RegisterUse)) {
-    if FOLDER.is_some() {
-        LOG.with_borrow_mut(|log| change(log.0.entry((address, size)).or_default()));
-    }
+    LOG.with_borrow_mut(|log| {
+        if log.has_image {
+            change(log.registers.entry((address, size)).or_default());
+        }
+    });
 }
 
 impl Drop for RegisterLog {
     fn drop(&mut self) {
-        let Some(folder) = FOLDER.as_ref().filter(|_| !self.0.is_empty()) else { return };
+        let Some(folder) = FOLDER.as_ref().filter(|_| self.has_image) else { return };
         let mut lines = String::new();
-        for (&(address, size), RegisterUse { read, ones, zeros }) in &self.0 {
+        for (&(address, size), RegisterUse { read, ones, zeros }) in &self.registers {
             writeln!(lines, "{address:#x} {size} {} {ones:#x} {zeros:#x}", u8::from(*read)).ok();
         }
         let name = format!("{}-{}", std::process::id(), THREADS.fetch_add(1, Relaxed));

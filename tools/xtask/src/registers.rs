@@ -1,7 +1,7 @@
 //! Registers that the sensor board's image uses in all scenarios, held against ST's description of
 //! the chip and against the crate of its registers: `tools/xtask/registers.py`.
 
-use crate::programs::{TestPrograms, Tier};
+use crate::programs::{self, Tier};
 use crate::{install, shell};
 use anyhow::{Context, Result};
 use std::path::{Path, PathBuf};
@@ -20,9 +20,10 @@ const LOG: &str = "ANEMO_REGISTER_LOG";
 
 /// Runs all scenarios, and holds what they have used against the descriptions.
 pub fn run() -> Result<()> {
-    let programs = TestPrograms::build(Tier::Ci)?;
-    let mut scenarios = programs.command(&["--test", "scenarios"]);
-    record(&mut scenarios)?;
+    install::emulated_core()?;
+    programs::images()?;
+    let mut scenarios = programs::cargo_test(Tier::Ci);
+    record(scenarios.args(["--test", "scenarios"]))?;
     shell::run(&mut scenarios)?;
     check()
 }
