@@ -5,7 +5,7 @@
 //! each register and width, with the bits that were ever written as one and as zero.
 
 use std::cell::RefCell;
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::PathBuf;
 use std::sync::LazyLock;
@@ -33,7 +33,7 @@ struct RegisterLog {
     /// An image runs in this thread. Registers of a board that a test uses by itself do not count.
     has_image: bool,
     /// By address and width in bytes.
-    registers: HashMap<(u32, usize), RegisterUse>,
+    registers: BTreeMap<(u32, usize), RegisterUse>,
 }
 
 /// An image runs in this thread from now on.

@@ -252,7 +252,7 @@ fn faults_escalate_with_their_reason() {
 fn registers_keep_the_bits_that_they_have() {
     let trials: Vec<_> = KEPT.iter().map(|&(register, value, _)| (Trial::Keep(register, value), [0; 4])).collect();
     let kept = |trial| KEPT.iter().find(|of| Trial::Keep(of.0, of.1) == trial).map(|of| of.2);
-    judge(&trials, |trial| kept(trial));
+    judge(&trials, kept);
 }
 
 #[test]
