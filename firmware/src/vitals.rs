@@ -13,6 +13,9 @@ use wire::{Identity, Name, ResetCause};
 /// Name and version of this firmware.
 pub const NAME: &str = env!("ANEMO_FIRMWARE_NAME");
 
+/// Who has checked in for the watchdog.
+pub static CHECK_INS: CheckIns = CheckIns::none();
+
 /// Beats of the health task a second. SysTick's 24 bits allow no less than 10 at 168 MHz.
 const BEATS_PER_SECOND: u32 = 20;
 
@@ -30,8 +33,8 @@ impl Health {
     }
 
     /// One beat; true once a second. `cut`: the platinum is to lose its supply.
-    pub fn beat(&mut self, check_ins: &CheckIns, cut: bool) -> bool {
-        if check_ins.all_anew() {
+    pub fn beat(&mut self, cut: bool) -> bool {
+        if CHECK_INS.all_anew() {
             self.watchdog.feed(cut);
         }
         self.beats += 1;

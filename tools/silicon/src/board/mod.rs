@@ -32,7 +32,7 @@ use crate::plant::SensorPlant;
 use crate::processor::SystemControl;
 use crate::processor::bus::MemoryJob;
 use crate::processor::nvic::NMI;
-use crate::soc::access::Clocks;
+use crate::soc::access::{Access, Clocks};
 use crate::soc::dma::Dma;
 use crate::soc::exti::Exti;
 use crate::soc::flash::Flash;
@@ -357,6 +357,20 @@ impl Board {
     /// The interrupt of the dead-man timer never comes from now on.
     pub const fn break_timer(&mut self) {
         self.has_dead_timer = true;
+    }
+
+    /// The dead-man timer does not count any more, and captures nothing.
+    pub fn stop_timer(&mut self) {
+        self.timer.slow_hz = 0;
+        let mut access = Access { now: self.now, clocks: self.clocks, complaints: &mut self.complaints };
+        self.timer.store(0, 0, &mut access);
+        self.touch();
+    }
+
+    /// The next frame to the host does not leave, since the line asks for no byte. `for_ever`: nor
+    /// does the stream obey, until the next reset.
+    pub const fn stick_transmitter(&mut self, for_ever: bool) {
+        self.dma.stick(for_ever);
     }
 
     /// The pull-downs of the heaters are missing from now on.
