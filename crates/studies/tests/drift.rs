@@ -92,7 +92,7 @@ fn in_turn(seed: u64, room_k: f64) -> RecordTable {
         room += room_k / (ROWS_IN_TURN as f64).sqrt() * normal();
         for (at, (of, x)) in IN_TURN.iter().zip(&mut x).enumerate() {
             let heat_w = if at == class { power_w } else { 0.0 };
-            of.iter().zip(x).for_each(|((_, time_s), x)| *x += (heat_w - *x) * -(-0.1 / time_s).exp_m1());
+            of.iter().zip(x).for_each(|((_, time_s), x)| *x += (heat_w - *x) * -libm::expm1(-0.1 / time_s));
         }
     }
     let column = |name: &str, values| vec![(name.to_owned(), values)];

@@ -24,7 +24,7 @@ fn differ(body: &mut Body, rng: &mut ChaCha8Rng) {
     let Some(tolerances) = body.tolerances else { return };
     let mut normal = || -> f64 { StandardNormal.sample(rng) };
     // A factor above zero, however unlikely the draw.
-    let factor = |percent: f64, normal: &mut dyn FnMut() -> f64| (0.01 * percent * normal()).exp();
+    let factor = |percent: f64, normal: &mut dyn FnMut() -> f64| libm::exp(0.01 * percent * normal());
     for node in &mut body.nodes {
         node.capacity_j_k *= factor(tolerances.capacity_percent, &mut normal);
     }

@@ -156,7 +156,7 @@ impl Fault {
         let size = match kind {
             Kind::TooHot => 1.42 + 0.13 * share(random),
             Kind::Drift => (0.02 + 0.08 * share(random)) * if random.next_u32() & 1 == 0 { 1.0 } else { -1.0 },
-            Kind::NoiseBurst => 0.001 * 300_f64.powf(share(random)),
+            Kind::NoiseBurst => 0.001 * libm::pow(300.0, share(random)),
             _ => share(random),
         };
         let ticks = match kind {

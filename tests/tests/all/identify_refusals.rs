@@ -132,7 +132,7 @@ fn an_input_that_is_on_in_a_row_or_two_is_marked() {
     for (seed, noise_k) in [(1, 0.0001), (2, 0.05)] {
         let noise = anemo_tests::records::Noise::white(noise_k);
         let measured_c = noise.read(&vec![20.0; 1000], &mut anemo_tests::records::random(seed, 0));
-        let (mut rise_k, gain) = (0.0, 1.0 - f64::exp(-0.1));
+        let (mut rise_k, gain) = (0.0, 1.0 - libm::exp(-0.1));
         let row = |(n, measured_c): (usize, f64)| {
             let power_w = if (300..302).contains(&n) { 0.05 } else { 0.0 };
             let row = [n as f64 * 0.1, power_w, measured_c + rise_k];

@@ -223,7 +223,7 @@ impl CandidateSet<'_> {
             // mesh is guarded, the noise is what is left.
             let gcv = |prior: &Prior| {
                 let solution = total.solve(&of(*prior), None);
-                solution.rss.ln() - 2.0 * (1.0 - solution.degrees / total.rows).max(1e-12).ln()
+                libm::log(solution.rss) - 2.0 * libm::log((1.0 - solution.degrees / total.rows).max(1e-12))
             };
             let strength = candidates.iter().copied().min_by(|a, b| gcv(a).total_cmp(&gcv(b)));
             candidates = strength.into_iter().collect();

@@ -134,14 +134,14 @@ impl NormalEquations {
         let free = penalty.diagonal().iter().filter(|weight| **weight <= 0.0).count();
         let freedom = self.rows - free as f64;
         let rest = (self.yy - theta.dot(&self.b)).max(1e-14 * self.yy).max(f64::MIN_POSITIVE);
-        let used: f64 = scaled.scale.iter().filter(|scale| **scale > 0.0).map(|scale| -2.0 * scale.ln()).sum();
+        let used: f64 = scaled.scale.iter().filter(|scale| **scale > 0.0).map(|scale| -2.0 * libm::log(*scale)).sum();
         let log_of_posterior = log_determinant(&scaled.factor) + used;
         // A column without content tells nothing, and its prior is what it was.
         let is_held = |&i: &usize| penalty[(i, i)] > 0.0 && scaled.scale[i] > 0.0;
         let held: Vec<usize> = (0..penalty.nrows()).filter(is_held).collect();
         let prior = DMatrix::from_fn(held.len(), held.len(), |i, j| penalty[(held[i], held[j])]);
         let log_of_prior = Cholesky::new(prior).map_or(f64::INFINITY, |factor| log_determinant(&factor));
-        -0.5 * (freedom * (rest / freedom).ln() + log_of_posterior - log_of_prior)
+        -0.5 * (freedom * libm::log(rest / freedom) + log_of_posterior - log_of_prior)
     }
 
     pub fn solve(&self, penalty: &DMatrix<f64>, positive: Option<&[bool]>) -> PenalisedSolution {
@@ -167,7 +167,7 @@ impl NormalEquations {
 }
 
 fn log_determinant(factor: &Cholesky<f64, Dyn>) -> f64 {
-    2.0 * factor.l_dirty().diagonal().iter().map(|entry| entry.ln()).sum::<f64>()
+    2.0 * factor.l_dirty().diagonal().iter().map(|entry| libm::log(*entry)).sum::<f64>()
 }
 
 /// (G + P) with a unit diagonal of G.

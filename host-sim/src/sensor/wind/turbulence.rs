@@ -113,7 +113,7 @@ impl Turbulence {
     /// At a mean speed, if it is of one relaxation and there is any.
     pub(super) fn relaxed(&self, speed_m_s: f64, sample_period_s: f64) -> Option<Relaxed> {
         let Spectrum::Relaxation { correlation_time_s } = self.spectrum else { return None };
-        let (deviation_m_s, memory) = (self.intensity * speed_m_s, (-sample_period_s / correlation_time_s).exp());
+        let (deviation_m_s, memory) = (self.intensity * speed_m_s, libm::exp(-sample_period_s / correlation_time_s));
         let renewal = (1.0 - memory * memory).sqrt();
         (deviation_m_s != 0.0).then_some(Relaxed { deviation_m_s, memory, renewal })
     }

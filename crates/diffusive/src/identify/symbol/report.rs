@@ -87,7 +87,7 @@ impl SymbolResult<'_> {
                     mesh_rad_s = self.reading.plan.rates_of(choice.trial.mesh, bank);
                     let mut class = self.fitted[output].class(bank, 0..0);
                     let spread = choice.gain_spread.get(bank).map_or(0.0, |spread| spread.median);
-                    class.se_steady_gain_k_per_w = class.se_steady_gain_k_per_w.hypot(spread);
+                    class.se_steady_gain_k_per_w = libm::hypot(class.se_steady_gain_k_per_w, spread);
                     classes.insert(labels[part.class].clone(), class);
                 }
                 pairs.push(Pair {
