@@ -196,10 +196,11 @@ impl CurrentRatioTicks {
 
 #[cfg(test)]
 mod tests {
+    use diffusive::random::StandardNormal;
     use dr_core::signal::Prbs;
     use rand_chacha::ChaCha8Rng;
     use rand_chacha::rand_core::SeedableRng;
-    use rand_distr::{Distribution, StandardNormal};
+    use rand_distr::Distribution;
 
     use super::*;
 

@@ -5,9 +5,10 @@ use std::fmt::Write as _;
 
 use diffusive::identify::record::{RecordSource as _, RecordStream, RecordTable, Selection};
 use diffusive::identify::{DriftGiven, DriftKind, FitRow, IdentifyOptions, identify};
+use diffusive::random::StandardNormal;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
-use rand_distr::{Distribution as _, StandardNormal};
+use rand_distr::Distribution as _;
 use studies::benchmark::drift::room::{SAMPLE_PERIOD_S, record_and_room, true_gain_k_per_w};
 use studies::benchmark::drift::{DriftFigures, DriftReport, RoomDrift, campaign};
 

@@ -2,9 +2,10 @@
 
 use anemometry::head::body::{Body, BodyLink};
 use anemometry::vector::{cross, unit};
+use diffusive::random::StandardNormal;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use rand_distr::{Distribution, StandardNormal};
+use rand_distr::Distribution;
 
 /// Stream of the seed's generator; those before it are wind, resistors and noise.
 const STREAM: u64 = 3;

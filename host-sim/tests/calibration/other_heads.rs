@@ -9,13 +9,14 @@ use anemometry::calibrate::{
 use anemometry::gas::{IdealGas, Species};
 use anemometry::head::body::{CylinderShape, WireLaw, WireShape};
 use anemometry::vector::unit;
+use diffusive::random::StandardNormal;
 use dr_core::wind::HeadForm;
 use host_sim::sensor::convection::cylinder::Cylinder;
 use host_sim::sensor::convection::sphere_surfaces::SphereSurfaces;
 use host_sim::sensor::convection::wire::Wire;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use rand_distr::{Distribution as _, StandardNormal};
+use rand_distr::Distribution as _;
 use std::f64::consts::{PI, TAU};
 
 const OVERHEAT_K: f64 = 20.0;

@@ -1,11 +1,12 @@
 //! A wind tunnel whose head is known: the simulated convection, gains, a crooked mounting, noise.
 
+use diffusive::random::StandardNormal;
 use dr_core::wind::HeadForm;
 use dr_core::wind::sphere::{hemispheres, tetrahedral_sectors};
 use nalgebra::{Rotation3, Unit, Vector3};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use rand_distr::{Distribution as _, StandardNormal};
+use rand_distr::Distribution as _;
 
 use anemometry::calibrate::{DrawnSurface, DrawnSurfaces, LossLaw, SoughtConvection, SteadyWind, SurfaceReading};
 use anemometry::gas::{IdealGas, Species};

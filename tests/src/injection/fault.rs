@@ -1,11 +1,12 @@
 //! What can go wrong: kinds, and faults of a kind as a seed draws them.
 
+use diffusive::random::StandardNormal;
 use dr_core::Command;
 use dr_core::control::{Drive, GuardConfig};
 use dr_core::sensor::{Level, Reading};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::Rng;
-use rand_distr::{Distribution, StandardNormal};
+use rand_distr::Distribution;
 use wire::{MAX_FRAME, Provocation, Setting, ToBoard, encode};
 
 /// Kinds of faults.

@@ -322,9 +322,10 @@ mod cospectrum_tests {
 #[cfg(test)]
 pub(super) mod sampling_tests {
     use super::*;
+    use diffusive::random::StandardNormal;
     use rand_chacha::ChaCha8Rng;
     use rand_chacha::rand_core::SeedableRng;
-    use rand_distr::{Distribution, StandardNormal};
+    use rand_distr::Distribution;
 
     /// Two series with unit variances, this correlation, and a memory of `memory` samples (AR 1).
     pub fn correlated(seed: u64, count: usize, correlation: f64, memory: f64) -> (Vec<f64>, Vec<f64>) {

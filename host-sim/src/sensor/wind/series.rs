@@ -13,8 +13,9 @@
 //! Across the mean of isotropic turbulence the spectrum is half the longitudinal one times |1 + c
 //! iωT|²/|1 + iωT|², c² = 8/3: a filter of one state, driven by m as held over each period.
 
+use diffusive::random::StandardNormal;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use rand_distr::Distribution;
 
 use super::relaxations::Relaxation;
 use super::turbulence::Component;

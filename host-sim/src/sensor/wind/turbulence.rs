@@ -37,8 +37,9 @@
 //! end, where viscosity would end it. A mean that is slow against its fluctuations carries no
 //! frozen eddies: intensities above 0.3 are beyond what Taylor's hypothesis is good for.
 
+use diffusive::random::StandardNormal;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use rand_distr::Distribution;
 
 use super::planned::EntryTable;
 use super::relaxations::{EDDY, SpectrumShape};

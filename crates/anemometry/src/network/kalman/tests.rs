@@ -1,9 +1,10 @@
+use diffusive::random::StandardNormal;
 use dr_core::model::{
     ConvectionObserver, ConvectionObserverState, GainsConfig, NetworkSelfHeatingConfig, ORDER, TickInput,
 };
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
-use rand_distr::{Distribution as _, StandardNormal};
+use rand_distr::Distribution as _;
 
 use super::*;
 use crate::network::from_model::sections;

@@ -11,9 +11,10 @@ use std::f64::consts::TAU;
 
 use diffusive::identify::record::{RecordError, RecordTable};
 use diffusive::identify::{DriftGiven, DriftKind};
+use diffusive::random::StandardNormal;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
-use rand_distr::{Distribution as _, StandardNormal};
+use rand_distr::Distribution as _;
 
 /// s
 pub const SAMPLE_PERIOD_S: f64 = 0.05;
