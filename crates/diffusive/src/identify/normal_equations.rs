@@ -72,19 +72,17 @@ impl NormalEquations {
 
     /// The same for an output that is a sum of columns.
     pub fn of_sum(gram: &Gram, terms: &[ModelTerm], output: &[(usize, f64)]) -> Self {
-        let mut maps = DMatrix::zeros(gram.sums.nrows(), terms.len());
-        for (column, term) in terms.iter().enumerate() {
-            for &(row, weight) in &term.of {
-                maps[(row, column)] += weight;
-            }
+        let product = |a: &[(usize, f64)], b: &[(usize, f64)]| {
+            let of_column = |column| a.iter().map(|&(row, weight)| weight * gram.sums[(row, column)]).sum::<f64>();
+            b.iter().map(|&(column, weight)| weight * of_column(column)).sum()
+        };
+        let n = terms.len();
+        Self {
+            g: DMatrix::from_fn(n, n, |i, j| product(&terms[i].of, &terms[j].of)),
+            b: DVector::from_fn(n, |i, _| product(&terms[i].of, output)),
+            yy: product(output, output),
+            rows: gram.rows as f64,
         }
-        let half = &gram.sums * &maps;
-        let (mut b, mut yy) = (DVector::zeros(terms.len()), 0.0);
-        for &(row, weight) in output {
-            b += half.row(row).transpose() * weight;
-            yy += output.iter().map(|&(column, other)| weight * other * gram.sums[(row, column)]).sum::<f64>();
-        }
-        Self { g: maps.tr_mul(&half), b, yy, rows: gram.rows as f64 }
     }
 
     /// The sum of all folds.
