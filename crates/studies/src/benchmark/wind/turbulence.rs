@@ -58,7 +58,7 @@ pub fn measure(lab: &StudyLab, head: &Head, modes: &[WindMode]) -> Result<Vec<Tu
 }
 
 /// A band of frequencies.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
     /// Lower edge, Hz.
     pub from_hz: f64,
