@@ -170,12 +170,9 @@ fn whose_heat_is_whose_is_told() {
         (0..600).map(|n| of(n)[..columns].iter().map(f64::to_string).collect()).collect()
     };
     let table = Table::new(&text("time_s,p,q,x,y", &rows(5)));
-    let output =
-        table.desk.anemo(&["identify", "r.csv", "--input", "p,q", "--output", "y,x", "--cross-order", "2"], &[]);
+    let output = table.desk.anemo(&["identify", "r.csv", "--input", "p,q", "--output", "y,x", "--tie"], &[]);
     let summary = String::from_utf8(output.stdout).unwrap();
     assert!(summary.contains("own heat, by the order of the columns: `p` → `y`, `q` → `x`; every other"), "{summary}");
-    let single = ["--input", "p", "--output", "x", "--cross-order", "2"];
-    table.is_refused(&single, &["one input, `p`, and one output, `x`", "leave out --cross-order"]);
 }
 
 #[test]
@@ -255,7 +252,7 @@ fn columns_that_are_missing_or_double_are_named() {
 fn options_that_cannot_be_are_refused() {
     let table = Table::new(&csv(&sound(200)));
     table.is_refused(&["--order", "0"], &["--order"]);
-    for option in ["--order", "--cross-order", "--free-poles", "--dead-time"] {
+    for option in ["--order", "--free-poles", "--dead-time"] {
         table.is_refused(&[option, "-1"], &[option, "`-1` is no whole number"]);
     }
     table.is_refused(&["--mesh", "10:1"], &["10:1"]);

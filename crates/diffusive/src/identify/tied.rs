@@ -149,7 +149,7 @@ fn parts_for(
         let own = CandidateSet { reading, options, output };
         let terms = own.terms(trial.mesh, trial.initial_state, trial.feed_through);
         let shared = |bank: usize, k| {
-            let BankPart { input, class, .. } = plan.parts[bank];
+            let BankPart { input, class } = plan.parts[bank];
             TiedParameter::Shared(input.min(output), input.max(output), class, k)
         };
         let key = |(at, term): (usize, &ModelTerm)| match term.role {
