@@ -5,7 +5,7 @@
 //! | word | |
 //! |---|---|
 //! | 0 | starts since power-on |
-//! | 1 | 0: no crash; 1: panic; 2: fault; in the upper half the length of the text |
+//! | 1 | 0: no crash; 1: panic; 2: fault; bit 15: this firmware has asked for the reset that follows; in the upper half the length of the text |
 //! | 2 | line or address |
 //! | 3 … 10 | text |
 //! | 11 | complement of word 0: RAM is random after power-on, and the CRC alone would accept it once in 4·10⁹; changed by `LAYOUT` |
@@ -24,7 +24,9 @@ const TEXT: core::ops::Range<usize> = 3..11;
 
 /// What RAM keeps beside this record: a firmware that has been flashed over another one does not
 /// look for what that has not kept.
-const LAYOUT: u32 = 1;
+const LAYOUT: u32 = 2;
+/// In word 1.
+const REQUESTED: u32 = 1 << 15;
 
 /// The record as words in RAM.
 pub type CrashWords = [u32; WORDS];
@@ -39,11 +41,13 @@ pub struct CrashRecord {
     pub starts: u32,
     /// The crash that has not been acknowledged yet.
     pub crash: Option<Crash>,
+    /// The firmware has asked for the last reset itself, after a panic or a fault.
+    pub requested: bool,
 }
 
 impl CrashRecord {
     /// The record after power-on.
-    pub const FIRST: Self = Self { starts: 1, crash: None };
+    pub const FIRST: Self = Self { starts: 1, crash: None, requested: false };
 
     /// Decodes a record; none if it is invalid.
     pub fn read(record: &CrashWords) -> Option<Self> {
@@ -53,8 +57,9 @@ impl CrashRecord {
         if check_of(words) != *check || complement != !starts ^ LAYOUT {
             return None;
         }
-        let kind = match head & 0xffff {
-            0 => return Some(Self { starts, crash: None }),
+        let requested = head & REQUESTED != 0;
+        let kind = match head & 0xffff & !REQUESTED {
+            0 => return Some(Self { starts, crash: None, requested }),
             1 => CrashKind::Panic,
             2 => CrashKind::Fault,
             _ => return None,
@@ -65,7 +70,7 @@ impl CrashRecord {
         }
         let text = text.get(..(head >> 16) as usize)?;
         let file = Name::try_from(core::str::from_utf8(text).ok()?).ok()?;
-        Some(Self { starts, crash: Some(Crash { kind, file, at }) })
+        Some(Self { starts, crash: Some(Crash { kind, file, at }), requested })
     }
 
     /// Encodes the record.
@@ -87,8 +92,14 @@ impl CrashRecord {
                 *word = u32::from_le_bytes(four);
             }
         }
+        *head |= if self.requested { REQUESTED } else { 0 };
         *check = check_of(words);
         record
+    }
+
+    /// The record to be kept from this start on: the next reset has not been asked for.
+    pub fn kept(&self) -> Self {
+        Self { requested: false, ..self.clone() }
     }
 
     /// The record after a reset of any cause: a supply that has left it valid has only dipped.
@@ -96,11 +107,13 @@ impl CrashRecord {
         Self::read(record).map_or(Self::FIRST, |past| Self { starts: past.starts.wrapping_add(1), ..past })
     }
 
-    /// The trip counter after this reset, given what RAM has kept of it. One that is lost although
-    /// this record is whole is taken for locked: no crash may erase it.
+    /// The trip counter after this reset, given what RAM has kept of it. A gap of the supply in
+    /// which RAM has lost this record or the counter clears it. Otherwise a counter that is lost
+    /// although this record is whole is taken for locked: no crash may erase it.
     pub fn lockout(&self, reset: ResetCause, kept: Option<Lockout>) -> Lockout {
         match (reset, kept) {
-            (ResetCause::PowerOn | ResetCause::Pin, _) => Lockout::new(),
+            (ResetCause::PowerOn | ResetCause::Pin, _) | (ResetCause::BrownOut, None) => Lockout::new(),
+            (ResetCause::BrownOut, _) if self.starts == 1 => Lockout::new(),
             (_, Some(kept)) => kept,
             (_, None) if self.starts > 1 => Lockout::locked(),
             (_, None) => Lockout::new(),
@@ -110,13 +123,13 @@ impl CrashRecord {
     /// Cause for which the instrument is tripped after an unrequested start.
     pub fn trip(&self, reset: ResetCause) -> Option<Cause> {
         match (&self.crash, reset) {
+            // A crash that has not been acknowledged has counted when it came.
+            (_, ResetCause::Software | ResetCause::Unknown) if !self.requested => Some(Cause::Restart),
             (Some(Crash { kind: CrashKind::Panic, .. }), _) => Some(Cause::Panic),
             (Some(Crash { kind: CrashKind::Fault, .. }), _) => Some(Cause::Fault),
             (None, ResetCause::PowerOn | ResetCause::Pin) => None,
             (None, ResetCause::Watchdog) => Some(Cause::Watchdog),
             (None, ResetCause::BrownOut) => Some(Cause::BrownOut),
-            // Only a panic or a fault requests a reset: its record is lost, or the processor does
-            // not know the cause.
             (None, ResetCause::Software | ResetCause::Unknown) => Some(Cause::Fault),
         }
     }
@@ -155,6 +168,7 @@ impl CrashTrip {
             Cause::Memory,
             Cause::Clock,
             Cause::ProofTest,
+            Cause::Restart,
         ];
         Some(known.into_iter().find(|&cause| cause as u32 == word).unwrap_or(Cause::BitFlip))
     }
@@ -181,7 +195,7 @@ mod tests {
 
     fn past() -> CrashRecord {
         let file = end_of("/some/where/far/down/in/a/folder/dr-core/src/control/drive.rs");
-        CrashRecord { starts: 7, crash: Some(Crash { kind: CrashKind::Panic, file, at: 1234 }) }
+        CrashRecord { starts: 7, crash: Some(Crash { kind: CrashKind::Panic, file, at: 1234 }), requested: true }
     }
 
     #[test]
@@ -203,8 +217,10 @@ mod tests {
     #[test]
     fn it_comes_out_as_it_went_in() {
         let fault = Crash { kind: CrashKind::Fault, file: Name::new(), at: 0x0800_1234 };
-        for life in [past(), CrashRecord::FIRST, CrashRecord { starts: u32::MAX, crash: Some(fault) }] {
-            assert_eq!(CrashRecord::read(&life.record()), Some(life));
+        for life in [past(), CrashRecord::FIRST, CrashRecord { starts: u32::MAX, crash: Some(fault), requested: true }]
+        {
+            assert_eq!(CrashRecord::read(&life.record()), Some(life.clone()));
+            assert_eq!(CrashRecord::read(&life.kept().record()), Some(CrashRecord { requested: false, ..life }));
         }
         assert_eq!(past().crash.unwrap().file, "lder/dr-core/src/control/drive.rs"[1..]);
     }
@@ -234,11 +250,16 @@ mod tests {
         let is_locked = |reset, kept| past().lockout(reset, kept).is_locked();
         for kept in [None, Some(Lockout::locked())] {
             assert!(!is_locked(ResetCause::PowerOn, kept) && !is_locked(ResetCause::Pin, kept));
-            for reset in [ResetCause::Software, ResetCause::Watchdog, ResetCause::BrownOut, ResetCause::Unknown] {
+            for reset in [ResetCause::Software, ResetCause::Watchdog, ResetCause::Unknown] {
                 assert!(is_locked(reset, kept), "{reset:?}");
                 assert!(!is_locked(reset, Some(Lockout::new())), "{reset:?}");
             }
         }
+        // A dip that RAM has survived keeps the lock; one that has cost RAM, in part or all, lifts
+        // it.
+        assert!(is_locked(ResetCause::BrownOut, Some(Lockout::locked())));
+        assert!(!is_locked(ResetCause::BrownOut, None));
+        assert!(!CrashRecord::FIRST.lockout(ResetCause::BrownOut, Some(Lockout::locked())).is_locked());
         // Nothing has been kept at all: RAM was without power, or another firmware's.
         assert!(!CrashRecord::FIRST.lockout(ResetCause::BrownOut, None).is_locked());
     }
@@ -249,7 +270,10 @@ mod tests {
         assert_eq!([trips(ResetCause::PowerOn), trips(ResetCause::Pin)], [None; 2]);
         assert_eq!(trips(ResetCause::Watchdog), Some(Cause::Watchdog));
         assert_eq!(trips(ResetCause::BrownOut), Some(Cause::BrownOut));
-        assert_eq!(trips(ResetCause::Software), Some(Cause::Fault));
-        assert_eq!(trips(ResetCause::Unknown), Some(Cause::Fault));
+        // Those of a probe. That of a panic or a fault is asked for.
+        assert_eq!([trips(ResetCause::Software), trips(ResetCause::Unknown)], [Some(Cause::Restart); 2]);
+        assert_eq!(past().trip(ResetCause::Software), Some(Cause::Panic));
+        assert_eq!(past().kept().trip(ResetCause::Software), Some(Cause::Restart));
+        assert_eq!(past().kept().trip(ResetCause::Pin), Some(Cause::Panic));
     }
 }

@@ -13,12 +13,12 @@ use wire::{Crash, CrashKind, Name, ResetCause};
 /// Updates the crash record for this start; returns it with the reset cause. Called once per start.
 pub fn update_record(reset: ResetCause) -> (ResetCause, CrashRecord) {
     let record = CrashRecord::after(&read());
-    write(&record);
+    write(&record.kept());
     (board::reset_as_remembered(reset, &record), record)
 }
 
 /// The trip counter after this reset: as it was, unless the supply or the reset pin has started the
-/// board.
+/// board ([`CrashRecord::lockout`]).
 pub fn lockout_after(reset: ResetCause, past: &CrashRecord) -> Lockout {
     let lockout = past.lockout(reset, crash_memory::read_lockout());
     crash_memory::write_lockout(&lockout.words());
@@ -32,13 +32,12 @@ pub fn acknowledge() {
     }
 }
 
-/// Records a crash for the reset that follows. An unacknowledged one stays: the first crash is the
-/// one to investigate.
+/// Records a crash, and that the reset that follows is our own. An unacknowledged crash stays: the
+/// first one is the one to investigate.
 fn remember(kind: CrashKind, file: Name, at: u32) {
     let record = CrashRecord::read(&read()).unwrap_or(CrashRecord::FIRST);
-    if record.crash.is_none() {
-        write(&CrashRecord { crash: Some(Crash { kind, file, at }), ..record });
-    }
+    let crash = record.crash.or(Some(Crash { kind, file, at }));
+    write(&CrashRecord { crash, requested: true, ..record });
 }
 
 /// Ends this run of the firmware. Heaters first, in any case.

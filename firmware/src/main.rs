@@ -23,6 +23,7 @@ mod halt;
 mod settings_loader;
 #[cfg(feature = "virtual-board")]
 mod stack;
+mod ticking;
 mod vitals;
 
 use defmt as _;
@@ -32,7 +33,7 @@ mod app {
     use super::board::{self, ELEMENTS, FrontEnd, HostReceiver, HostTransmitter, Idler};
     use super::settings_loader::{Outcome, SettingsLoader};
     use super::vitals::{self, Health, LoggedWind};
-    use super::{crash_memory, halt};
+    use super::{crash_memory, halt, ticking};
     use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
     use dr_core::control::{Cause, Lockout, LockoutWords, Margins, Refusal, RunState, TripHistory};
     use dr_core::{Command, Instrument};
@@ -165,7 +166,7 @@ mod app {
         let (answer_in, answered) = cx.local.answer_queue.split();
         let mut core = cx.core;
         let parts = board::init(cx.device, &mut core, exchanges);
-        vitals::start_ticking(&mut core.SYST);
+        ticking::start(&mut core.SYST, board::CLOCK_HZ);
         let (reset, past) = halt::update_record(parts.reset);
         defmt::info!("{=str} on the {} board, started by {}", vitals::NAME, board::NAME, board::reset_name(reset));
         let lockout = halt::lockout_after(reset, &past);

@@ -2,7 +2,7 @@
 //! messages.
 
 use crate::board::{self, Watchdog};
-use cortex_m::peripheral::{SYST, syst::SystClkSource};
+use crate::ticking::BEATS_PER_SECOND;
 use dr_core::control::RunState;
 use dr_core::wind::{QualityFlags, WindTick};
 use firmware::azimuth::azimuth_deg;
@@ -12,9 +12,6 @@ use wire::{Identity, Name, ResetCause};
 
 /// Name and version of this firmware.
 pub const NAME: &str = env!("ANEMO_FIRMWARE_NAME");
-
-/// Beats of the health task a second. SysTick's 24 bits allow no less than 10 at 168 MHz.
-const BEATS_PER_SECOND: u32 = 20;
 
 /// What the health task remembers.
 pub struct Health {
@@ -49,22 +46,13 @@ impl Health {
     }
 }
 
-/// Lets SysTick raise the health task.
-pub fn start_ticking(syst: &mut SYST) {
-    syst.set_clock_source(SystClkSource::Core);
-    syst.set_reload(board::CLOCK_HZ / BEATS_PER_SECOND - 1);
-    syst.clear_current();
-    syst.enable_counter();
-    syst.enable_interrupt();
-}
-
 /// Who this is.
 pub fn identity(reset: ResetCause, past: CrashRecord) -> Identity {
     let mut firmware = Name::new();
     // A longer name is cut: it is for people.
     NAME.chars().take_while(|&c| firmware.push(c).is_ok()).for_each(drop);
     let (elements, order) = (board::ELEMENTS as u8, dr_core::model::ORDER as u8);
-    let CrashRecord { starts, crash } = past;
+    let CrashRecord { starts, crash, .. } = past;
     Identity { firmware, board: board::KIND, elements, order, reset, starts, crash, unique_id: board::unique_id() }
 }
 

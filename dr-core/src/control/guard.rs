@@ -17,7 +17,8 @@
 //!
 //! The board reports the other causes: `Deadline`, levels that were not updated in time; `Heater`,
 //! a pin that could not be set, or has another level; `HostTimeout`, no frame of a host for too
-//! long while heating; after an unrequested start `Panic`, `Fault`, `Watchdog` and `BrownOut`; by
+//! long while heating; after an unrequested start `Panic`, `Fault`, `Watchdog`, `BrownOut`, and
+//! `Restart` after a reset that neither the firmware nor its watchdog made, as a debug probe's; by
 //! its proof tests `Memory`, `Clock`, and `ProofTest` for the dead-man timer or the watchdog; and
 //! `AdcRegister`, a register of the ADC that has changed.
 //!
@@ -63,6 +64,7 @@ pub enum Cause {
     #[strum(to_string = "energy-budget")]
     Energy,
     PullIn,
+    Restart,
 }
 
 impl Cause {
@@ -304,7 +306,7 @@ mod tests {
     #[test]
     fn every_cause_has_a_name_of_its_own() {
         // In the order of their declaration, which is the one on the wire.
-        const ALL: [Cause; 24] = [
+        const ALL: [Cause; 25] = [
             Cause::Open,
             Cause::Short,
             Cause::OutOfRange,
@@ -329,6 +331,7 @@ mod tests {
             Cause::AdcRegister,
             Cause::Energy,
             Cause::PullIn,
+            Cause::Restart,
         ];
         let names = ALL.map(Cause::name);
         for (place, name) in names.iter().enumerate() {

@@ -8,7 +8,8 @@
 //! | counts towards the lock | does not |
 //! |---|---|
 //! | a trip that ends a run or a self-test that heats | a reading that trips in standby, as a plug does that is not in its place: nothing has heated |
-//! | a trip of the whole instrument in any state: a start that nobody asked for, a bit flip, a pin | |
+//! | a trip of the whole instrument in any state: a crash, a bit flip, a pin | `Restart`: a debug probe has reset the processor, as it does with each flashing |
+//! | a supply that dips, once: the falling supply trips, and the start after it trips again | |
 //!
 //! Time is counted in ticks, so it stands still without a sample period and while the processor
 //! restarts. It never runs faster than the clock on the wall: trips look closer together than they
@@ -18,7 +19,7 @@
 //! in RAM that a start does not clear. Its checksum is verified before every use: a state with a
 //! flipped bit is locked.
 
-use super::guard::Trip;
+use super::guard::{Cause, Trip};
 use super::state::RunState;
 use crate::checksum::Checksum;
 use crate::fields::FieldVisitor;
@@ -134,10 +135,11 @@ impl Lockout {
             if new.trips == 1 {
                 (new.first, new.first_s) = (RunState::Tripped(trip).word(), new.time_s);
             }
-            if !heated && trip.element.is_some() {
+            let [newest_s, oldest_s] = new.recent_s;
+            let is_same_dip = trip.cause == Cause::BrownOut && newest_s == new.time_s;
+            if (!heated && trip.element.is_some()) || trip.cause == Cause::Restart || is_same_dip {
                 return;
             }
-            let [newest_s, oldest_s] = new.recent_s;
             if oldest_s != NEVER && new.time_s.wrapping_sub(oldest_s) <= LOCK_WINDOW_S {
                 new.locked = 1;
             }
@@ -179,7 +181,6 @@ impl Lockout {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::control::guard::Cause;
 
     const OPEN: Trip = Trip::of(2, Cause::Open);
 
@@ -224,6 +225,25 @@ mod tests {
             lockout.count(RunState::Standby, Trip::whole(Cause::Watchdog));
         }
         assert_eq!(lockout.history(), TripHistory { trips: 12, is_locked: true, first });
+    }
+
+    #[test]
+    fn a_probes_resets_do_not_lock_and_a_dip_of_the_supply_counts_once() {
+        let mut lockout = Lockout::new();
+        for state in [RunState::Standby, RunState::Running, RunState::Testing, RunState::Running] {
+            lockout.count(state, Trip::whole(Cause::Restart));
+        }
+        assert!(!lockout.is_locked());
+        for is_locked in [false, false, true] {
+            wait(&mut lockout, 5);
+            lockout.count(RunState::Running, Trip::whole(Cause::BrownOut));
+            // RAM has kept the state, and the start trips again.
+            let mut restarted = Lockout::read(&lockout.words()).unwrap();
+            restarted.count(RunState::Standby, Trip::whole(Cause::BrownOut));
+            lockout = restarted;
+            assert_eq!(lockout.is_locked(), is_locked);
+        }
+        assert_eq!(lockout.history().trips, 10);
     }
 
     #[test]

@@ -128,8 +128,8 @@ pub const fn unique_id() -> [u32; 3] {
 pub fn reset_as_remembered(_: ResetCause, life: &CrashRecord) -> ResetCause {
     match (life.starts, &life.crash) {
         (1, _) => ResetCause::PowerOn,
-        (_, Some(_)) => ResetCause::Software,
-        (_, None) => ResetCause::Pin,
+        (_, Some(_)) if life.requested => ResetCause::Software,
+        _ => ResetCause::Pin,
     }
 }
 

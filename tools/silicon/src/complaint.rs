@@ -65,6 +65,11 @@ pub enum BrokenRule {
     #[error("the pins of the bus are not connected to it: alternate function 5")]
     SpiPins,
     /// Of the bus.
+    #[error(
+        "the pin of SCK is too slow for APB2: the last bit of a byte may be that of the byte before (ES0182, 2.12.4)"
+    )]
+    SpiClockPin,
+    /// Of the bus.
     #[error("SPI_DR is written while the bus is off or its buffer full")]
     SpiWrite,
     /// Of the bus.

@@ -22,6 +22,7 @@
 //! | [`machine`] | an image on its board |
 //! | [`stream`] | the line as a host has it: the ordinary serial instrument runs on it |
 //! | [`complaint`] | rules of the manuals that the firmware breaks |
+//! | `register_log` | what the firmware does with registers, for `cargo xtask registers` |
 //! | [`witness`] | holds the heaters' pins against what the board reports |
 //! | [`image`], [`log`](mod@log) | the ELF file; its log as a probe reads it |
 //!
@@ -52,12 +53,13 @@
 //! **Speed** on one core of a small virtual machine, six elements with models: 7 times real time at
 //! a tick of 10 ms; a start takes 0.1 s.
 //!
-//! **Tests.** `tests/rules.rs` breaks every rule once, register by register; `tests/exceptions.rs`
-//! runs handlers inside each other; `tests/scenarios` has the image: boot, ticks, closed loop,
+//! **Tests.** `tests/rules.rs` breaks every rule once, register by register; `tests/scenarios` has
+//! the image: boot, ticks, closed loop,
 //! every cause of the guard, crashes in each task, settings, supply, self-test, the line, random
 //! lives, flipped bits, a minute of a run (`cargo xtask campaign` for more of the last three).
 //! `equal_bits` hands the readings that the board has taken to a controller in this process, and
 //! `against_qemu` runs images of the virtual board here and in QEMU: both are equal to the bit.
+//! `verdicts` asks both cores of protection, faults, priorities and SysTick.
 //!
 //! **Limits.** It agrees with our reading of the manuals, not with chips: no wait states, no
 //! contention for buses, no write buffers, no imprecise faults, no errata, nothing analogue but the
@@ -75,6 +77,7 @@ pub mod log;
 pub mod machine;
 pub mod plant;
 pub mod processor;
+mod register_log;
 pub mod soc;
 pub mod stream;
 pub mod time;

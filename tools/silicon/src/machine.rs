@@ -6,6 +6,7 @@ use crate::log::RttLog;
 use crate::plant::SensorPlant;
 use crate::processor::bus::ProcessorBus;
 use crate::processor::{CoreRegisters, Pause, Processor, ProcessorError};
+use crate::register_log;
 use crate::soc::power::NOMINAL_MV;
 use crate::soc::rcc::ResetSource;
 use crate::time::ms;
@@ -18,6 +19,9 @@ const LOG_EVERY: u64 = ms(10);
 
 /// A period of the watchdog in which nothing but its proof test can run.
 const PROOF_PERIOD: u64 = ms(10);
+
+/// RAM after power-on holds anything; this is one such thing, always the same.
+const FRESH_RAM: u8 = 0xa5;
 
 /// Nominal frequency of the watchdog's oscillator.
 pub const NOMINAL_OSCILLATOR_HZ: u64 = 32_000;
@@ -88,11 +92,11 @@ impl Machine {
     /// # Errors
     /// If the sensor is none.
     pub fn power_on_image(image: Arc<FlashImage>, config: &MachineConfig) -> Result<Self, MachineError> {
+        register_log::begin();
         let oscillator_hz = config.oscillator_hz.unwrap_or(NOMINAL_OSCILLATOR_HZ);
         let board = Board::new(SensorPlant::new(&config.sensor)?, oscillator_hz);
         let mut core = Processor::new(board, &image.flash)?;
-        // RAM after power-on holds anything; this is one such thing, always the same.
-        core.set_ram(&vec![0xa5; core.ram()?.len()])?;
+        core.set_ram(&vec![FRESH_RAM; core.ram()?.len()])?;
         core.start()?;
         Ok(Self { image, core, log: RttLog::default(), resets: Vec::new(), proofs: 0 })
     }
@@ -213,11 +217,12 @@ impl Machine {
         } else {
             self.resets.push(PastReset { cycle: self.now(), source });
         }
-        let keeps_ram = self.board().keeps_ram();
+        let lost_percent = self.board().ram_lost_percent();
         self.board_mut().reset(source);
-        if !keeps_ram {
-            let bytes = self.core.ram()?.len();
-            self.core.set_ram(&vec![0xa5; bytes])?;
+        if lost_percent > 0 {
+            let mut bytes = self.core.ram()?;
+            decay(&mut bytes, lost_percent, self.now());
+            self.core.set_ram(&bytes)?;
         }
         Ok(self.core.start()?)
     }
@@ -248,5 +253,20 @@ impl Machine {
         self.log = snapshot.log.clone();
         (self.resets, self.proofs) = (snapshot.resets.clone(), snapshot.proofs);
         Ok(())
+    }
+}
+
+/// A share of the bytes becomes another one: by the time, so that it is the same again.
+fn decay(bytes: &mut [u8], percent: u32, now: u64) {
+    let mut chance = now | 1;
+    for byte in bytes {
+        chance ^= chance << 13;
+        chance ^= chance >> 7;
+        chance ^= chance << 17;
+        if percent >= 100 {
+            *byte = FRESH_RAM;
+        } else if chance as u32 % 100 < percent {
+            *byte = (chance >> 32) as u8;
+        }
     }
 }

@@ -22,6 +22,8 @@ const SETTINGS: u32 = 0x0800_4000;
 const PLL: u32 = 1 << 22 | 168 << 6 | 4;
 /// AHB undivided, APB1 a quarter, APB2 a half; the PLL for the core.
 const BUSES: u32 = 0b101 << 10 | 0b100 << 13 | 2;
+/// SCK, PA5, high; the debug pin as after a reset.
+const SPEEDS: u32 = 0x0c00_0000 | 2 << 10;
 /// SPI1 on, master, mode 1, an eighth of 84 MHz, chip select by software.
 const SPI_ON: u32 = 1 << 9 | 1 << 8 | 1 << 6 | 2 << 3 | 1 << 2 | 1;
 
@@ -45,6 +47,7 @@ impl Bench {
             .store(RCC + 0x44, 1 << 12 | 1 << 14);
         // PA2, PA3: function 7. PA4: output, high. PA5 to PA7: function 5.
         bench.store(PORT_A + 0x18, 1 << 4).store(PORT_A + 0x20, 0x5550_7700).store(PORT_A, 0xa800_a9a0);
+        bench.store(PORT_A + 0x08, SPEEDS);
         // PB0: output, high.
         bench.store(PORT_B + 0x18, 1).store(PORT_B, 0x281);
         bench
@@ -193,6 +196,10 @@ fn the_converters_bus_is_watched() {
         },
         BrokenRule::SpiPins,
     );
+    let slow_pin = |bench: &mut Bench| {
+        bench.store(PORT_A + 0x08, SPEEDS ^ 3 << 10).command(&[0x11]);
+    };
+    broken(&slow_pin, BrokenRule::SpiClockPin);
     let unread = |bench: &mut Bench| {
         bench.store(SPI1 + 0x0c, 0).wait(us(1)).store(SPI1 + 0x0c, 0).wait(us(1)).load(SPI1 + 0x08);
     };

@@ -62,7 +62,7 @@ pub fn interface() -> Result<PathBuf> {
     executable(shell::cargo_of_all("build").arg("--examples"), "interface")
 }
 
-/// Builds an image of the firmware: `firmware` itself, `cost` or `overflow`.
+/// Builds an image of the firmware: `firmware` itself, `cost`, `overflow` or `verdicts`.
 pub fn image(bin: &str, board: FirmwareBoard) -> Result<PathBuf> {
     linked_image(&mut shell::cargo(), bin, board)
 }

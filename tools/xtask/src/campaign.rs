@@ -34,6 +34,8 @@ pub enum CampaignKind {
     Flips,
     /// Seconds of a run of the sensor board's image.
     Soak,
+    /// Starts and changes of the settings of the sensor board's image with a head configured.
+    Starts,
 }
 
 impl CampaignKind {
@@ -46,6 +48,7 @@ impl CampaignKind {
             Self::Lives => (["scenarios", "lives::", "ANEMO_LIVES"], 2_000),
             Self::Flips => (["scenarios", "upsets::", "ANEMO_FLIPS"], 600),
             Self::Soak => (["scenarios", "soak::", "ANEMO_SOAK_S"], 10_800),
+            Self::Starts => (["scenarios", "settings::starts", "ANEMO_STARTS"], 1_430),
         }
     }
 }

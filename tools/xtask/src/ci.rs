@@ -9,7 +9,7 @@ use crate::pages::{self, PagesOptions};
 use crate::programs::{TestPrograms, Tier};
 use crate::python::{self, PythonOptions};
 use crate::stages::Stages;
-use crate::{counterparts, install, lint, miri, reference, test};
+use crate::{counterparts, install, lint, miri, reference, registers, test};
 use anyhow::{Result, bail};
 use std::thread::JoinHandle;
 
@@ -33,6 +33,7 @@ fn all(stages: &mut Stages, jobs: clap::Command) -> Result<()> {
         install::qemu()?;
         counterparts::run()?;
         python::prepare()?;
+        registers::description()?;
         miri::prepare()
     };
     stages.run("prepare", prepare)?;
@@ -57,8 +58,11 @@ fn tests(stages: &mut Stages, programs: &TestPrograms, jobs: clap::Command) -> R
     stages.run("Python package", || python::run(&PythonOptions::default()))?;
     stages.run("commands in pages", || pages::run(&PagesOptions::default(), jobs, Some(shown)))?;
     // One failing program of tests does not keep the others from being heard.
-    let scenarios = stages.test("faults and scenarios", &mut programs.slow(), &[]);
-    test::tier(stages, Tier::Ci).and(scenarios)
+    let mut slow = programs.slow();
+    registers::record(&mut slow)?;
+    let scenarios = stages.test("faults and scenarios", &mut slow, &[]);
+    let registers = stages.run("registers", registers::check);
+    test::tier(stages, Tier::Ci).and(scenarios).and(registers)
 }
 
 fn joined(thread: JoinHandle<Result<()>>) -> Result<()> {

@@ -28,6 +28,7 @@ mod pages;
 mod programs;
 mod python;
 mod reference;
+mod registers;
 mod safety;
 mod same_results;
 mod seeded;
@@ -85,6 +86,9 @@ enum Job {
     /// Show on both boards' images that no task can panic and that the stack suffices, and that an
     /// overflow of it ends as a fault
     Safety,
+    /// Run the sensor board's scenarios and hold the registers that they use against ST's description
+    /// of the chip and against the crate of its registers
+    Registers,
     /// Simulate the sensor board's analogue part, its cut-off and their single faults by ngspice,
     /// and compare with hardware/results.csv
     Hardware(hardware::HardwareOptions),
@@ -133,6 +137,7 @@ fn main() -> ExitCode {
         Job::Dist => dist::run(),
         Job::Size => size::run(),
         Job::Safety => safety::run(),
+        Job::Registers => registers::run(),
         Job::Hardware(options) => hardware::run(&options),
         Job::Cost(options) => cost::run(&options),
         Job::Campaign(options) => campaign::run(&options),

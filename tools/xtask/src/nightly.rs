@@ -57,7 +57,7 @@ const fn stage(name: &'static str, what: &'static str, run: fn() -> Result<()>) 
 }
 
 /// Those that fail for most reasons come first.
-const STAGES: [NightlyStage; 22] = [
+const STAGES: [NightlyStage; 23] = [
     stage("long-tests", "tests that are marked `nightly`, of all crates", long_tests),
     stage("gallery", "notebooks of the Python package beside other libraries", gallery),
     stage("slurm", "sweeps of the Python package on a cluster of this computer", slurm),
@@ -67,6 +67,7 @@ const STAGES: [NightlyStage; 22] = [
     stage("lives", "random lives of the sensor board's image", || campaign(CampaignKind::Lives)),
     stage("flips", "bits that flip in the RAM of the sensor board's image", || campaign(CampaignKind::Flips)),
     stage("soak", "hours of a run of the sensor board's image", || campaign(CampaignKind::Soak)),
+    stage("starts", "starts and changed settings of the sensor board's image", || campaign(CampaignKind::Starts)),
     stage("endings", "ways in which runs and logs end", || campaign(CampaignKind::Endings)),
     stage("power-cuts", "cuts of a recording host's supply", || campaign(CampaignKind::PowerCuts)),
     stage("log", "a day of a log at 1 kHz", || campaign(CampaignKind::Log)),

@@ -17,8 +17,6 @@ const GIVEN_UP_US: u32 = 1_000;
 const SLOW_OSCILLATOR: u8 = 1;
 /// IC4PSC: every eighth edge.
 const EIGHTH: u8 = 3;
-const CAPTURED: u32 = 1 << 4;
-const OVER_CAPTURED: u32 = 1 << 12;
 
 /// Lets the timer capture, beside its own work.
 pub fn start() {
@@ -33,10 +31,9 @@ pub fn start() {
 /// or 2 ms for none. If tasks take so long meanwhile that one is missed, the next check decides.
 pub fn is_clock_right() -> bool {
     let timer = timer();
-    // SAFETY: a zero clears its own flag, ones change nothing.
-    timer.sr().write(|w| unsafe { w.bits(!(CAPTURED | OVER_CAPTURED)) });
+    timer.sr().write(|w| w.cc4if().clear().cc4of().clear());
     let (Some(first), Some(second)) = (next_capture(timer), next_capture(timer)) else { return false };
-    let has_missed_one = timer.sr().read().bits() & OVER_CAPTURED != 0;
+    let has_missed_one = timer.sr().read().cc4of().bit_is_set();
     has_missed_one || EIGHT_PERIODS_US.contains(&second.wrapping_sub(first))
 }
 
@@ -45,7 +42,7 @@ fn next_capture(timer: &RegisterBlock) -> Option<u32> {
     loop {
         let waited = timer.cnt().read().bits().wrapping_sub(started);
         // In this order: a task may come in between.
-        if timer.sr().read().bits() & CAPTURED != 0 {
+        if timer.sr().read().cc4if().bit_is_set() {
             return Some(timer.ccr4().read().bits());
         }
         if waited > GIVEN_UP_US {

@@ -10,9 +10,6 @@ use stm32f4xx_hal::pac::TIM5;
 use stm32f4xx_hal::pac::tim5::RegisterBlock;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
-/// CC1IF in TIM5_SR. A zero clears its own flag, ones change nothing.
-const EXPIRED: u32 = 1 << 1;
-
 /// The control task's end of it.
 pub struct DeadManTimer {
     timer: TIM5,
@@ -51,8 +48,8 @@ pub fn expire_in(timer: &RegisterBlock, us: u32) {
     let now = timer.cnt().read().bits();
     // SAFETY: any count will do.
     timer.ccr1().write(|w| unsafe { w.bits(now.wrapping_add(us)) });
-    // SAFETY: as the flag's description has it.
-    timer.sr().write(|w| unsafe { w.bits(!EXPIRED) });
+    // Ones leave the other flags alone; reserved bits stay zero.
+    timer.sr().write(|w| w.cc1if().clear());
     timer.dier().write(|w| w.cc1ie().set_bit());
 }
 

@@ -16,6 +16,9 @@
 //! is high by a reading of more than two. The guard trips within three ticks and 50 ms of the last
 //! edge (its default limit).
 //!
+//! **Erases.** The processor stands still while a sector of the settings is erased. No tick is made
+//! of the conversions of that time: they are counted as lost, and a tick begins anew.
+//!
 //! **What is checked.** After every 250th frame all registers of the ADC are read back: each 62.5
 //! ms at 4 kSPS, each 250 ms at 1 kSPS. A difference trips.
 //!
@@ -26,6 +29,7 @@
 use super::clocks::CycleDelay;
 use super::dead_man::DeadManTimer;
 use super::heater_pin::HeaterPin;
+use super::settings_flash;
 use super::stopwatch::{COUNTS_PER_US, counts};
 use dr_core::control::{Cause, Tick};
 use dr_core::sensor::reading::REFERENCE_CODE;
@@ -125,7 +129,9 @@ impl AdcFrontEnd {
         rcc: &mut Rcc,
     ) -> Self {
         let plan = TickPlan::new(FIRST_PERIOD_US).expect("10 ms are 40 conversions");
-        let clock = pins.clock.into_alternate().speed(Speed::Medium);
+        // High, since the bus takes its clock back from the pin: with a slower one at 84 MHz the last
+        // bit of a byte may be that of the byte before (ES0182, 2.12.4).
+        let clock = pins.clock.into_alternate().speed(Speed::High);
         let data_out = pins.data_out.into_alternate().speed(Speed::Medium);
         let bus = Spi::new(spi, (Some(clock), Some(pins.data_in), Some(data_out)), MODE_1, 10_500.kHz(), rcc);
         let device =
@@ -170,6 +176,9 @@ impl AdcFrontEnd {
     /// The readings of the next tick that is complete. Ask until there is none: a silence can bring
     /// several at once.
     pub fn poll(&mut self) -> Option<[Reading; ELEMENTS]> {
+        if settings_flash::take_erase() {
+            self.resume();
+        }
         loop {
             // The time before the line: an edge that is not seen was not there at that time.
             let now = counts();
@@ -209,6 +218,18 @@ impl AdcFrontEnd {
                 self.torn |= self.line.check_interrupt();
             }
         }
+    }
+
+    /// Begins a tick anew after an erase, whose conversions are lost.
+    fn resume(&mut self) {
+        let now = counts();
+        while self.data_ready.next(now, false) == Due::Lost {
+            self.lost = self.lost.wrapping_add(1);
+        }
+        // Of some conversion during the erase.
+        self.clear_edge();
+        self.data_ready = expectation(self.plan);
+        self.restart();
     }
 
     /// Conversions so far that have not been read, or whose frame was damaged.

@@ -7,6 +7,7 @@
 //! | 1, sectors of the settings | 0x0800 4000 … 0x0800 FFFF | yes | no |
 //! | 2, RAM | 0x2000 0000, 128 KiB | yes | no |
 //! | 3, peripherals | 0x4000 0000, 512 MiB | yes | no |
+//! | 4, the processor's number (RM0090, "Unique device ID register") | 0x1FFF 7A00, 512 bytes | no | no |
 //!
 //! There is no background map: an access that no region allows is a fault **before** it happens, at
 //! the very instruction. It escalates to the hard fault, whose handler (and that of the NMI) runs
@@ -41,11 +42,12 @@ const fn size(bytes: u32) -> u32 {
 }
 
 /// Base, and what may be done there; where regions overlap the later one counts.
-const REGIONS: [(u32, u32); 4] = [
+const REGIONS: [(u32, u32); 5] = [
     (0x0800_0000, READ_ONLY | FLASH_MEMORY | size(1 << 20)),
     (0x0800_0000, EXECUTE_NEVER | READ_WRITE | FLASH_MEMORY | WITHOUT_VECTOR_TABLE | size(64 << 10)),
     (0x2000_0000, EXECUTE_NEVER | READ_WRITE | RAM_MEMORY | size(128 << 10)),
     (0x4000_0000, EXECUTE_NEVER | READ_WRITE | DEVICE | size(512 << 20)),
+    (0x1fff_7a00, EXECUTE_NEVER | READ_ONLY | FLASH_MEMORY | size(512)),
 ];
 
 /// Protects from now on, until the next reset.

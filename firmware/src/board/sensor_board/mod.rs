@@ -19,7 +19,8 @@
 //! | `watchdog_proof.rs` | proof test of that after power-on and reset pin |
 //!
 //! Nothing of this has run on a board yet. What the emulator cannot show (DMA, EXTI, PLL, watchdog)
-//! is argued beside the code from the reference manual RM0090.
+//! is argued beside the code from the reference manual RM0090. `HAL.md` compares each register that
+//! the HAL touches, too; `ERRATA.md` goes through the chip's errata.
 
 mod background_checks;
 mod clock_check;

@@ -9,9 +9,10 @@
 //!   3.3 V. Bits can only be cleared.
 //! - **Erasing**: SER, the sector's number and STRT. 16 KiB take 0.25 s, 0.5 s at the most (data
 //!   sheet, words). Any access to the flash waits meanwhile, fetching code from it too: **the
-//!   processor stands still**. HeaterPort are low then (settings are written in standby only, and
-//!   nothing starts meanwhile), the watchdog is given time before, and conversions that come
-//!   meanwhile are lost, which standby bears.
+//!   processor stands still**. The heaters are low then (settings are written in standby only, and
+//!   nothing starts meanwhile), and the watchdog is given time before. Conversions that come
+//!   meanwhile are lost: the front end is told ([`take_erase`]), counts them and makes no tick of
+//!   them, so that the guard judges none of our own making.
 //! - **Caches**: an erase does not reach lines that the data cache holds of the sector, so it is
 //!   reset afterwards, for which it has to be off.
 //!
@@ -19,6 +20,7 @@
 //! (`firmware/src/settings`).
 
 use super::watchdog;
+use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
@@ -33,6 +35,18 @@ const WORD: usize = 4;
 const KEYS: [u32; 2] = [0x4567_0123, 0xCDEF_89AB];
 /// Errors in FLASH_SR: PGSERR, PGPERR, PGAERR, WRPERR, OPERR; each is cleared by writing a one.
 const ERRORS: u32 = 0b1111_0010;
+
+/// An erase has begun since the front end last asked.
+static HAS_ERASED: AtomicBool = AtomicBool::new(false);
+
+/// Whether an erase has stopped the processor since the last time of asking; for the front end.
+pub fn take_erase() -> bool {
+    let has_erased = HAS_ERASED.load(Relaxed);
+    if has_erased {
+        HAS_ERASED.store(false, Relaxed);
+    }
+    has_erased
+}
 
 /// The three sectors.
 pub struct SectorFlash(FLASH);
@@ -77,7 +91,11 @@ impl SectorFlash {
     fn erase_sector(&mut self, number: u8) -> Result<(), NorFlashErrorKind> {
         // SAFETY: the number is one of the settings' sectors.
         self.0.cr().modify(|_, w| unsafe { w.psize().psize32().snb().bits(number).pg().clear_bit().ser().set_bit() });
-        self.0.cr().modify(|_, w| w.strt().set_bit());
+        // Nobody may take the note before the processor stands still.
+        cortex_m::interrupt::free(|_| {
+            HAS_ERASED.store(true, Relaxed);
+            self.0.cr().modify(|_, w| w.strt().set_bit());
+        });
         let done = self.wait();
         self.0.cr().modify(|_, w| w.ser().clear_bit());
         self.forget_data_cache();

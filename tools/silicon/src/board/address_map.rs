@@ -11,6 +11,10 @@ use crate::soc::spi::Spi;
 use crate::soc::timer::Timer;
 use crate::soc::usart::Usart;
 
+/// The fastest APB2 by the speed of SCK's pin at 30 pF, Hz (ES0182, 2.12.4): the bus takes its own
+/// clock back from the pin, and a pin that is slow brings the last bit too late.
+const CLOCK_PIN_HZ: [u64; 4] = [25_000_000, 75_000_000, 84_000_000, 84_000_000];
+
 impl Board {
     /// Whether a peripheral's clock is on; its complaint if not.
     pub(super) fn is_clocked(&mut self, address: u32) -> bool {
@@ -106,6 +110,9 @@ impl Board {
             0x4001_3000..0x4001_3400 => {
                 if offset == 0x0c && !BUS_PINS.iter().all(|&pin| self.ports[0].has_function(pin, BUS_FUNCTION)) {
                     access.complain("GPIOA_AFRL", BrokenRule::SpiPins);
+                }
+                if offset == 0x0c && access.clocks.apb2_hz > CLOCK_PIN_HZ[self.ports[0].speed(BUS_PINS[0])] {
+                    access.complain("GPIOA_OSPEEDR", BrokenRule::SpiClockPin);
                 }
                 self.spi.store(offset, value, &mut access);
                 return Ok(());

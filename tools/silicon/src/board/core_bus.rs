@@ -5,8 +5,10 @@ use super::waiting::WaitingLoop;
 use super::{ACCESS_CYCLES, Board, DEBUG_SLEEP};
 use crate::complaint::BrokenRule;
 use crate::processor::bus::{BusFault, MemoryJob, ProcessorBus};
+use crate::processor::fault::FaultStatus;
 use crate::processor::mpu::Mpu;
 use crate::processor::nvic::Nvic;
+use crate::register_log;
 use crate::soc::access::Access;
 use crate::soc::flash::SETTINGS;
 use crate::time::CYCLES_PER_SECOND;
@@ -22,8 +24,10 @@ impl ProcessorBus for Board {
             return Ok(self.flash.load_settings((address - SETTINGS.start) as usize, size, &mut access));
         }
         if let Some((word, bit)) = bit_alias(address) {
+            register_log::read(word, 4);
             return Ok(self.load_word(word)? >> bit & 1);
         }
+        register_log::read(address, size);
         let word = self.load_word(address & !3)?;
         let shifted = word >> (8 * (address & 3));
         Ok(if size == 4 { shifted } else { shifted & ((1 << (8 * size)) - 1) })
@@ -45,14 +49,20 @@ impl ProcessorBus for Board {
             return Ok(());
         }
         if let Some((word, bit)) = bit_alias(address) {
+            register_log::written(word, 4, value << bit, 1 << bit);
             let before = self.load_word(word)?;
             return self.store_word(word, 4, before & !(1 << bit) | (value & 1) << bit);
         }
+        register_log::written(address, size, value, u32::MAX >> (32 - 8 * size));
         self.store_word(address, size, value)
     }
 
     fn nvic(&mut self) -> &mut Nvic {
         &mut self.system.nvic
+    }
+
+    fn faults(&mut self) -> &mut FaultStatus {
+        &mut self.system.faults
     }
 
     fn mpu(&self) -> &Mpu {

@@ -244,9 +244,15 @@ impl Board {
         self.attention = true;
     }
 
-    /// Whether RAM has kept its content in the reset that is wanted.
-    pub const fn keeps_ram(&self) -> bool {
-        !matches!(self.pending_reset, Some(ResetSource::PowerOn)) || self.power.keeps_ram()
+    /// Bytes of RAM that the reset costs that is wanted, %.
+    pub const fn ram_lost_percent(&self) -> u32 {
+        let keeps_ram = !matches!(self.pending_reset, Some(ResetSource::PowerOn)) || self.power.keeps_ram();
+        if keeps_ram { 0 } else { self.power.ram_lost_percent }
+    }
+
+    /// From now on gaps of the supply cost so many bytes of RAM, %.
+    pub const fn set_ram_lost(&mut self, percent: u32) {
+        self.power.ram_lost_percent = percent;
     }
 
     /// Levels of the heaters.

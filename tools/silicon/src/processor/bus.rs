@@ -1,5 +1,6 @@
 //! What the processor is connected to: the peripherals, as it sees them.
 
+use super::fault::FaultStatus;
 use super::mpu::Mpu;
 use super::nvic::Nvic;
 
@@ -45,6 +46,9 @@ pub trait ProcessorBus {
 
     /// Exceptions.
     fn nvic(&mut self) -> &mut Nvic;
+
+    /// Why the core has faulted.
+    fn faults(&mut self) -> &mut FaultStatus;
 
     /// What may be read, written and executed where.
     fn mpu(&self) -> &Mpu;

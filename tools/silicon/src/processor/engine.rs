@@ -6,15 +6,17 @@
 //! an interrupt is late by the rest of one, some ten instructions.
 //!
 //! The sectors of the settings are registers rather than memory here: loads and stores of them go
-//! to the model of the flash.
+//! to the model of the flash. ST's system memory is answered here, address by address, since a
+//! region of the memory protection may be smaller than Unicorn's pages.
 
-use super::bus::{MemoryJob, ProcessorBus};
+use super::bus::{BusFault, MemoryJob, ProcessorBus};
 use super::cycles::BlockCosts;
 use super::exception::{self, ENTRY_CYCLES, RETURN_CYCLES};
-use super::mpu::Mpu;
+use super::fault::{Fault, Purpose};
+use super::mpu::{ALL_RIGHTS, MemoryRights, Mpu};
 use super::nvic::HARD_FAULT;
 use std::ops::Range;
-use unicorn_engine::{Arch, ArmCpuModel, Mode, Prot, RegisterARM, Unicorn, uc_error};
+use unicorn_engine::{Arch, ArmCpuModel, HookType, MemType, Mode, Prot, RegisterARM, Unicorn, uc_error};
 
 const FLASH: u64 = 0x0800_0000;
 /// Sectors 1 to 3.
@@ -23,18 +25,29 @@ const FLASH_END: u64 = 0x0810_0000;
 /// ST's own memory, of which a number that is unique is read (RM0090, 39.1).
 const SYSTEM_MEMORY: Range<u64> = 0x1fff_7000..0x1fff_8000;
 const UNIQUE_ID: u64 = 0x1fff_7a10;
+const UNIQUE_ID_BYTES: &[u8; 12] = b"anemo-unique";
+/// Unicorn gives rights by pages of this size.
+const PAGE: u64 = 1024;
+/// The smallest region of the memory protection.
+const LEAST_REGION: usize = 32;
 pub(super) const RAM: u64 = 0x2000_0000;
 pub(super) const RAM_BYTES: usize = 128 * 1024;
-/// Peripherals; their aliases by bits; the core's own.
-const REGISTERS: [Range<u64>; 4] =
-    [SETTINGS, 0x4000_0000..0x4010_0000, 0x4200_0000..0x4400_0000, 0xe000_0000..0xe010_0000];
+/// Memory that Unicorn holds itself.
+const MEMORIES: [Range<u64>; 3] = [RAM..RAM + RAM_BYTES as u64, FLASH..SETTINGS.start, SETTINGS.end..FLASH_END];
+/// Settings; ST's memory; peripherals; their aliases by bits; the core's own.
+const REGISTERS: [Range<u64>; 5] =
+    [SETTINGS, SYSTEM_MEMORY, 0x4000_0000..0x4010_0000, 0x4200_0000..0x4400_0000, 0xe000_0000..0xe010_0000];
 /// What is charged for a sleep that ends at once, since something waits that a mask keeps from
 /// being handled: an idle task would go round and round.
 const FUTILE_SLEEP_CYCLES: u32 = 1_000;
 /// How Unicorn names the jump to a value that returns from an exception.
 const EXCEPTION_EXIT: u32 = 8;
-/// And a breakpoint.
+/// And a breakpoint, a place that is no code, an instruction of a coprocessor.
 const BREAKPOINT: u32 = 7;
+const PREFETCH_ABORT: u32 = 3;
+const NO_COPROCESSOR: u32 = 17;
+/// Bit of xPSR.
+const THUMB: u64 = 1 << 24;
 /// Where no code stands, so that no block is the last. Zero, since Unicorn translates whatever is
 /// at another address anew after every stop.
 const NOWHERE: u64 = 0;
@@ -76,7 +89,7 @@ pub struct Surroundings<B> {
     /// The last stop was asked for by a hook.
     stopped: bool,
     pub(super) exception: Option<u32>,
-    pub(super) bus_fault: Option<u32>,
+    pub(super) refused: Option<Fault>,
     emulated_blocks: u64,
 }
 
@@ -104,7 +117,7 @@ impl<B: ProcessorBus + 'static> Processor<B> {
             is_masked: false,
             stopped: false,
             exception: None,
-            bus_fault: None,
+            refused: None,
             emulated_blocks: 0,
         };
         let mut unicorn = Unicorn::new_with_data(Arch::ARM, Mode::MCLASS, surroundings)?;
@@ -117,8 +130,6 @@ impl<B: ProcessorBus + 'static> Processor<B> {
             let bytes = &flash[(code.start - FLASH) as usize..(code.end - FLASH) as usize];
             unicorn.mem_write(code.start, bytes)?;
         }
-        unicorn.mem_map(SYSTEM_MEMORY.start, SYSTEM_MEMORY.end - SYSTEM_MEMORY.start, Prot::READ)?;
-        unicorn.mem_write(UNIQUE_ID, b"anemo-unique")?;
         for Range { start, end } in REGISTERS {
             unicorn.mmio_map(
                 start,
@@ -126,11 +137,17 @@ impl<B: ProcessorBus + 'static> Processor<B> {
                 Some(move |unicorn: &mut Unicorn<'_, Surroundings<B>>, offset: u64, size: usize| {
                     let address = (start + offset) as u32;
                     let around = unicorn.get_data_mut();
-                    let may_read = is_core(address) || around.bus.mpu().rights(address).read;
-                    match around.bus.load(address, size) {
-                        Ok(value) if may_read => u64::from(value),
-                        _ => {
-                            around.bus_fault = Some(address);
+                    let may_read = is_core(address) || rights(&mut around.bus, address).read;
+                    let is_system_memory = SYSTEM_MEMORY.contains(&u64::from(address));
+                    let loaded = match may_read {
+                        true if is_system_memory => Ok(system_memory(address, size)),
+                        true => around.bus.load(address, size),
+                        false => Err(BusFault(address)),
+                    };
+                    match loaded {
+                        Ok(value) => u64::from(value),
+                        Err(_) => {
+                            around.refused = Some(Fault::Access(Purpose::Load, address));
                             0
                         }
                     }
@@ -140,14 +157,24 @@ impl<B: ProcessorBus + 'static> Processor<B> {
                     let is_masked = unicorn.reg_read(RegisterARM::PRIMASK).is_ok_and(|mask| mask & 1 == 1);
                     let around = unicorn.get_data_mut();
                     around.bus.holds_back(is_masked);
-                    let may_write = is_core(address) || around.bus.mpu().rights(address).write;
+                    let is_system_memory = SYSTEM_MEMORY.contains(&u64::from(address));
+                    let may_write = is_core(address) || !is_system_memory && rights(&mut around.bus, address).write;
                     if !may_write || around.bus.store(address, size, value as u32).is_err() {
-                        around.bus_fault = Some(address);
+                        around.refused = Some(Fault::Access(Purpose::Store, address));
                     }
                     do_memory_jobs(unicorn);
                 }),
             )?;
         }
+        unicorn.add_mem_hook(HookType::MEM_INVALID, 1, 0, |unicorn, kind, address, _, _| {
+            let purpose = match kind {
+                MemType::READ_UNMAPPED | MemType::READ_PROT => Purpose::Load,
+                MemType::WRITE_UNMAPPED | MemType::WRITE_PROT => Purpose::Store,
+                _ => Purpose::Instruction,
+            };
+            unicorn.get_data_mut().refused = Some(Fault::Access(purpose, address as u32));
+            false
+        })?;
         unicorn.add_block_hook(1, 0, at_block)?;
         unicorn.add_intr_hook(|unicorn, number| {
             unicorn.get_data_mut().exception = Some(number);
@@ -217,8 +244,8 @@ impl<B: ProcessorBus + 'static> Processor<B> {
                 continue;
             }
             bus.attended();
-            self.protect()?;
             self.take_exceptions()?;
+            self.protect()?;
             if self.is_asleep {
                 if self.bus_mut().nvic().wakes() {
                     self.is_asleep = false;
@@ -239,25 +266,20 @@ impl<B: ProcessorBus + 'static> Processor<B> {
 
     /// Gives the memories the rights that the memory protection unit says, if it has changed.
     fn protect(&mut self) -> Result<(), ProcessorError> {
-        let mpu = *self.bus().mpu();
+        let mpu = effective_mpu(self.bus_mut());
         if mpu == self.protected_by {
             return Ok(());
         }
         self.protected_by = mpu;
-        for Range { start, end } in [RAM..RAM + RAM_BYTES as u64, FLASH..SETTINGS.start, SETTINGS.end..FLASH_END] {
-            let rights = mpu.rights(start as u32);
-            let mut allowed = Prot::NONE;
-            for (is_allowed, right) in [
-                (rights.read, Prot::READ),
-                // Code is never stored to: that is a fault with or without protection.
-                (rights.write && start == RAM, Prot::WRITE),
-                (rights.execute, Prot::EXEC),
-            ] {
-                if is_allowed {
-                    allowed |= right;
-                }
+        for Range { start, end } in MEMORIES {
+            let mut from = start;
+            while from < end {
+                let allowed = page_rights(&mpu, from);
+                let pages = (from..end).step_by(PAGE as usize);
+                let to = pages.clone().find(|&page| page_rights(&mpu, page) != allowed).unwrap_or(end);
+                self.unicorn.mem_protect(from, to - from, allowed)?;
+                from = to;
             }
-            self.unicorn.mem_protect(start, end - start, allowed)?;
         }
         Ok(())
     }
@@ -280,8 +302,12 @@ impl<B: ProcessorBus + 'static> Processor<B> {
         if let Some(number) = around.exception.take() {
             return self.unicorn_exception(number);
         }
-        if ended.is_err() || around.bus_fault.take().is_some() {
-            return self.fault();
+        if let Some(refused) = around.refused.take() {
+            return self.fault(refused);
+        }
+        if ended.is_err() {
+            let is_thumb = self.unicorn.reg_read(RegisterARM::XPSR)? & THUMB != 0;
+            return self.fault(if is_thumb { Fault::Undefined } else { Fault::NotThumb });
         }
         if !around.stopped {
             self.is_asleep = true;
@@ -296,7 +322,11 @@ impl<B: ProcessorBus + 'static> Processor<B> {
             return Ok(());
         }
         if number != EXCEPTION_EXIT {
-            return self.fault();
+            return self.fault(match number {
+                PREFETCH_ABORT => Fault::Access(Purpose::Instruction, self.unicorn.pc_read()? as u32),
+                NO_COPROCESSOR => Fault::NoCoprocessor,
+                _ => Fault::Undefined,
+            });
         }
         let counter = self.unicorn.reg_read(RegisterARM::PC)? as u32;
         let link = if counter >> 28 == 0xf { counter } else { self.unicorn.reg_read(RegisterARM::LR)? as u32 };
@@ -307,7 +337,7 @@ impl<B: ProcessorBus + 'static> Processor<B> {
                 bus.spend(RETURN_CYCLES);
                 Ok(())
             }
-            Err(_) => self.fault(),
+            Err(_) => self.frame_fault(),
         }
     }
 
@@ -337,11 +367,22 @@ impl<B: ProcessorBus + 'static> Processor<B> {
         bus.nvic().enter(exception);
         bus.spend(ENTRY_CYCLES);
         // A frame that could not be stored.
-        if entered.is_err() { self.fault() } else { Ok(()) }
+        if entered.is_err() { self.frame_fault() } else { Ok(()) }
+    }
+
+    fn frame_fault(&mut self) -> Result<(), ProcessorError> {
+        let stack = self.unicorn.reg_read(RegisterARM::SP)? as u32;
+        self.fault(Fault::Access(Purpose::Frame, stack))
     }
 
     /// A fault: there is but the hard fault, and inside it the core gives up.
-    fn fault(&mut self) -> Result<(), ProcessorError> {
+    fn fault(&mut self, fault: Fault) -> Result<(), ProcessorError> {
+        let bus = self.bus_mut();
+        let rights = match fault {
+            Fault::Access(_, address) => rights(bus, address),
+            _ => ALL_RIGHTS,
+        };
+        bus.faults().note(fault, rights);
         let is_in_fault = self.bus_mut().nvic().running_priority() <= -1;
         if is_in_fault {
             self.is_locked = true;
@@ -363,9 +404,47 @@ impl<B: ProcessorBus + 'static> Processor<B> {
     }
 }
 
+/// What may be done in all of a page that Unicorn holds.
+fn page_rights(mpu: &Mpu, page: u64) -> Prot {
+    let all = (page..page + PAGE).step_by(LEAST_REGION).map(|address| mpu.rights(address as u32));
+    // Code is never stored to: that is a fault with or without protection.
+    let first = MemoryRights { read: true, write: page >= RAM, execute: true };
+    let rights = all.fold(first, |rights, of| MemoryRights {
+        read: rights.read && of.read,
+        write: rights.write && of.write,
+        execute: rights.execute && of.execute,
+    });
+    let mut allowed = Prot::NONE;
+    for (is_allowed, right) in [(rights.read, Prot::READ), (rights.write, Prot::WRITE), (rights.execute, Prot::EXEC)] {
+        if is_allowed {
+            allowed |= right;
+        }
+    }
+    allowed
+}
+
+/// Bytes of ST's memory: the number that is unique, and what flash holds that is erased.
+fn system_memory(address: u32, size: usize) -> u32 {
+    let byte = |i: u64| {
+        let place = (u64::from(address) + i).checked_sub(UNIQUE_ID);
+        place.and_then(|place| UNIQUE_ID_BYTES.get(place as usize)).copied().unwrap_or(0xff)
+    };
+    (0..size as u64).rev().fold(0, |word, i| word << 8 | u32::from(byte(i)))
+}
+
 /// Whether it is a register of the core, which is outside of the memory protection.
 const fn is_core(address: u32) -> bool {
     address >> 20 == 0xe00
+}
+
+/// The memory protection that is in force: none in the handlers of NMI and hard fault, unless
+/// HFNMIENA is set (ARMv7-M architecture, "MPU Control Register").
+fn effective_mpu<B: ProcessorBus>(bus: &mut B) -> Mpu {
+    if bus.nvic().running_priority() < 0 && !bus.mpu().protects_faults() { Mpu::default() } else { *bus.mpu() }
+}
+
+fn rights<B: ProcessorBus>(bus: &mut B, address: u32) -> MemoryRights {
+    effective_mpu(bus).rights(address)
 }
 
 /// The priority before which nothing is handled, by the mask registers.
@@ -383,7 +462,7 @@ fn mask<D>(unicorn: &Unicorn<'_, D>) -> Result<i32, uc_error> {
 /// At the head of every block.
 fn at_block<B: ProcessorBus>(unicorn: &mut Unicorn<'_, Surroundings<B>>, address: u64, length: u32) {
     let around = unicorn.get_data_mut();
-    let mut stops = around.bus.now() >= around.stop_at || around.bus.needs_attention() || around.bus_fault.is_some();
+    let mut stops = around.bus.now() >= around.stop_at || around.bus.needs_attention() || around.refused.is_some();
     if !stops && around.is_masked {
         stops = mask(unicorn).is_ok_and(|mask| {
             let nvic = unicorn.get_data_mut().bus.nvic();

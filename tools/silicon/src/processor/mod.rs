@@ -7,6 +7,7 @@
 //! | `probe` | memory and registers from outside |
 //! | `registers` | all registers, to be kept and put back |
 //! | `cycles` | what a block of instructions costs |
+//! | `fault` | why the core has faulted |
 //! | `mpu` | what may be read, written and executed where |
 //! | `nvic` | which exceptions wait and which goes first |
 //! | `systick`, `cycle_counter`, `system_control` | the core's own registers |
@@ -17,6 +18,7 @@ mod cycle_counter;
 mod cycles;
 mod engine;
 mod exception;
+pub mod fault;
 pub mod mpu;
 pub mod nvic;
 mod probe;

@@ -114,6 +114,11 @@ impl Nvic {
         self.pending |= self.lines & 1 << exception;
     }
 
+    /// One if an exception waits, else zero.
+    pub const fn waits(&self, exception: u16) -> u32 {
+        (self.pending >> exception & 1) as u32
+    }
+
     /// Reads 32 interrupts' bits: enabled ones, or waiting ones.
     pub const fn read_word(&self, word: u32, waiting: bool) -> u32 {
         let bits = if waiting { self.pending } else { self.enabled };
@@ -139,6 +144,10 @@ impl Nvic {
 
     /// Sets it; only the upper four bits are kept.
     pub const fn set_priority_byte(&mut self, exception: u16, priority: u8) {
+        // Numbers that no exception has.
+        if matches!(exception, 7..=10 | 13) {
+            return;
+        }
         self.priority[exception as usize] = priority & 0xf0;
     }
 

@@ -53,7 +53,7 @@ impl<B: ProcessorBus + 'static> Processor<B> {
     pub fn set_state(&mut self, state: &(bool, bool, CoreRegisters)) -> Result<(), ProcessorError> {
         (self.is_asleep, self.is_locked) = (state.0, state.1);
         let around = self.unicorn.get_data_mut();
-        (around.exception, around.bus_fault, around.is_masked) = (None, None, false);
+        (around.exception, around.refused, around.is_masked) = (None, None, false);
         Ok(state.2.write(&mut self.unicorn)?)
     }
 

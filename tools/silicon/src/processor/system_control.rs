@@ -3,6 +3,7 @@
 
 use super::bus::BusFault;
 use super::cycle_counter::CycleCounter;
+use super::fault::{FAULTS, FAULTS_END, FaultStatus};
 use super::mpu::Mpu;
 use super::nvic::{FIRST_INTERRUPT, Nvic, PENDSV, SYSTICK};
 use super::systick::SysTick;
@@ -11,6 +12,10 @@ use std::collections::BTreeMap;
 /// Writing this to the upper half of AIRCR makes the write count.
 const AIRCR_KEY: u32 = 0x05fa;
 const SYSRESETREQ: u32 = 1 << 2;
+/// What AIRCR reads as: the key's opposite number.
+const AIRCR: u32 = 0xfa05_0000;
+/// CP10 and CP11 in CPACR, the floating-point unit; there are no other coprocessors.
+const CPACR_FPU: u32 = 0xf << 20;
 /// Where the flash stands besides at zero.
 const FLASH: u32 = 0x0800_0000;
 /// MPU_TYPE, and the end of its registers.
@@ -24,6 +29,8 @@ const CPUID: u32 = 0x410f_c241;
 pub struct SystemControl {
     /// Exceptions.
     pub nvic: Nvic,
+    /// Why the core has faulted.
+    pub faults: FaultStatus,
     /// What may be read, written and executed where.
     pub mpu: Mpu,
     /// Its timer.
@@ -55,8 +62,14 @@ impl SystemControl {
             0xe000_e200..0xe000_e210 | 0xe000_e280..0xe000_e290 => self.nvic.read_word(address >> 2 & 3, true),
             0xe000_e400..0xe000_e4f0 => self.priorities(FIRST_INTERRUPT + (address - 0xe000_e400) as u16),
             0xe000_ed00 => CPUID,
+            // ICSR: PENDSTSET, PENDSVSET, VECTACTIVE.
+            0xe000_ed04 => {
+                self.nvic.waits(SYSTICK) << 26 | self.nvic.waits(PENDSV) << 28 | u32::from(self.nvic.handled())
+            }
             0xe000_ed08 => self.vector_table,
+            0xe000_ed0c => AIRCR,
             0xe000_ed18..0xe000_ed24 => self.priorities(4 + (address - 0xe000_ed18) as u16),
+            FAULTS..FAULTS_END => self.faults.load(address - FAULTS),
             MPU..MPU_END => self.mpu.load(address - MPU),
             0xe000_0000..0xe004_0000 => self.remembered.get(&address).copied().unwrap_or(0),
             _ => return Err(BusFault(address)),
@@ -93,6 +106,8 @@ impl SystemControl {
             0xe000_ed0c => self.reset_requested |= value >> 16 == AIRCR_KEY && value & SYSRESETREQ != 0,
             // STIR.
             0xe000_ef00 => self.nvic.pend(FIRST_INTERRUPT + (value & 0x1ff) as u16),
+            FAULTS..FAULTS_END => self.faults.store(address - FAULTS, value),
+            0xe000_ed88 => drop(self.remembered.insert(address, value & CPACR_FPU)),
             MPU..MPU_END => self.mpu.store(address - MPU, value),
             0xe000_0000..0xe004_0000 => drop(self.remembered.insert(address, value)),
             _ => return Err(BusFault(address)),

@@ -19,12 +19,14 @@ const MEMORY_INCREMENTS: u32 = 1 << 10;
 const HALF: u32 = 1 << 4;
 const COMPLETE: u32 = 1 << 5;
 const FLAGS: u32 = 0x3d;
+/// Direct mode; half full, and empty.
+const FIFO_AFTER_RESET: u32 = 0x21;
 /// Where a stream's flags stand in its status register, by the stream's number modulo four.
 const SHIFTS: [u32; 4] = [0, 6, 16, 22];
 /// What may change while a stream runs: its enable and its interrupts.
 const CHANGES_WHILE_ON: u32 = 0x1f;
 
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Stream {
     control: u32,
     left: u32,
@@ -32,6 +34,12 @@ struct Stream {
     peripheral: u32,
     memory: u32,
     fifo: u32,
+}
+
+impl Default for Stream {
+    fn default() -> Self {
+        Self { control: 0, left: 0, length: 0, peripheral: 0, memory: 0, fifo: FIFO_AFTER_RESET }
+    }
 }
 
 /// The controller.

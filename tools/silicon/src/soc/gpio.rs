@@ -14,15 +14,15 @@ pub struct GpioPort {
 
 impl GpioPort {
     /// Port A: the debug pins, JTMS and JTDI pulled up, JTCK down.
-    pub const PORT_A: Self = Self { modes: 0xa800_0000, ..Self::pulled(0x6400_0000) };
+    pub const PORT_A: Self = Self::after_reset(0xa800_0000, 0x0c00_0000, 0x6400_0000);
     /// Port B: JTDO, and JTRST pulled up.
-    pub const PORT_B: Self = Self { modes: 0x280, ..Self::pulled(0x100) };
+    pub const PORT_B: Self = Self::after_reset(0x280, 0xc0, 0x100);
 
     /// Offset of the register that has the levels at the pins.
     pub const INPUT: u32 = 0x10;
 
-    const fn pulled(pulls: u32) -> Self {
-        Self { modes: 0, others: [0, 0, pulls], output: 0, lock: 0, alternate: [0; 2] }
+    const fn after_reset(modes: u32, speeds: u32, pulls: u32) -> Self {
+        Self { modes, others: [0, speeds, pulls], output: 0, lock: 0, alternate: [0; 2] }
     }
 
     /// Pins that drive themselves high; all other outputs are low, the rest floats.
@@ -49,6 +49,11 @@ impl GpioPort {
     /// Whether a pin belongs to this alternate function.
     pub const fn has_function(&self, pin: u32, function: u32) -> bool {
         self.modes >> (2 * pin) & 3 == 2 && self.alternate[(pin / 8) as usize] >> (4 * (pin % 8)) & 0xf == function
+    }
+
+    /// OSPEEDR of a pin.
+    pub const fn speed(&self, pin: u32) -> usize {
+        (self.others[1] >> (2 * pin) & 3) as usize
     }
 
     /// Levels at the pins; `outside` are those that somebody else drives high.

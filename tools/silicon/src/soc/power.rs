@@ -1,7 +1,8 @@
 //! The supply and what supervises it: voltage detector, brown-out reset, power-down reset (RM0090,
 //! "PWR"). Levels are typical ones of the data sheet.
 //!
-//! Limit: RAM keeps its content down to a level that no manual states; below it all is lost here.
+//! Limit: RAM keeps its content down to a level that no manual states. Below it a share of its bytes
+//! is lost, which a scenario sets: on a board it depends on time, temperature and capacitors.
 
 use super::rcc::ResetSource;
 
@@ -18,6 +19,8 @@ const HYSTERESIS_MV: u32 = 100;
 const POWER_DOWN_MV: u32 = 1_680;
 const RAM_KEEPS_MV: u32 = 800;
 
+/// VOS, which 168 MHz need.
+const SCALE_1: u32 = 1 << 14;
 const DETECTOR_ENABLE: u32 = 1 << 4;
 const DETECTOR_OUTPUT: u32 = 1 << 2;
 
@@ -30,17 +33,21 @@ pub struct Power {
     level: u32,
     is_low: bool,
     holds_reset: bool,
+    /// Bytes of RAM that a gap of the supply costs, %.
+    pub ram_lost_percent: u32,
 }
 
 impl Power {
     /// A supply that is there, with these option bytes.
     pub const fn new(options: u32) -> Self {
-        Self { control: 0, supply_mv: NOMINAL_MV, level: options >> 2 & 3, is_low: false, holds_reset: false }
+        let (supply_mv, level) = (NOMINAL_MV, options >> 2 & 3);
+        Self { control: SCALE_1, supply_mv, level, is_low: false, holds_reset: false, ram_lost_percent: 100 }
     }
 
     /// After a reset, which loads the option bytes.
     pub const fn reset(self, options: u32) -> Self {
-        Self { supply_mv: self.supply_mv, holds_reset: self.holds_reset, ..Self::new(options) }
+        let Self { supply_mv, holds_reset, ram_lost_percent, .. } = self;
+        Self { supply_mv, holds_reset, ram_lost_percent, ..Self::new(options) }
     }
 
     /// The supply, mV.

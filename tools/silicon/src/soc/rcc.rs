@@ -23,6 +23,8 @@ const PLLRDY: u32 = 1 << 25;
 const CSSF: u32 = 1 << 7;
 const CSSC: u32 = 1 << 23;
 const RMVF: u32 = 1 << 24;
+/// The clock of the core's own memory, on after a reset.
+const CORE_MEMORY: u32 = 1 << 20;
 const LSION: u32 = 1;
 const LSIRDY: u32 = 1 << 1;
 
@@ -85,7 +87,7 @@ impl Rcc {
             config: 0,
             interrupt: 0,
             resets: [0; 3],
-            gates: [0; 3],
+            gates: [CORE_MEMORY, 0, 0],
             status: source.flags() | kept,
             crystal_ready_at: 0,
             pll_ready_at: 0,

@@ -14,6 +14,9 @@ fn a_board_says_who_it_is_and_why_it_has_started_with_its_heaters_low() {
     assert_eq!((identity.board, identity.elements), (BoardKind::Sensor, 6));
     assert_eq!((identity.reset, identity.starts), (ResetCause::PowerOn, 1));
     assert_eq!(identity.crash, None);
+    // ST's memory answers only where the memory protection allows it.
+    let number = [b"anem", b"o-un", b"ique"].map(|word| u32::from_le_bytes(*word));
+    assert_eq!(identity.unique_id, number);
     // Waiting times of the converter's start: 130 ms, 200 ms and 128 conversions.
     let booted_s = seconds(rig.machine().now());
     assert!((0.36..0.45).contains(&booted_s), "{booted_s}");

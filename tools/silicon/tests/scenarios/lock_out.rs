@@ -1,5 +1,6 @@
 //! Trips that lock, a host that is gone, and another head on the plug.
 
+use crate::crashes_in_tasks::fault;
 use crate::rig::{Rig, experiment};
 use dr_core::Command;
 use dr_core::control::{Cause, Refusal, RunState};
@@ -63,6 +64,48 @@ fn three_trips_in_ten_minutes_lock_until_the_supply_or_the_reset_pin() {
         assert!(!status.locked && status.trips == 0 && status.first_trip.is_none(), "{source:?}: {status:?}");
         start(&heating(None), &mut instrument).unwrap();
         Rig::observe(&mut instrument, 10, |sample| assert_eq!(sample.state, RunState::Running));
+    }
+    rig.assert_no_complaint();
+}
+
+/// What a probe does to program a board: it resets and halts the core, runs its loader in RAM, and
+/// resets once more.
+fn flash_by_probe(rig: &Rig) {
+    let mut machine = rig.machine();
+    machine.reset_by(ResetSource::Software).unwrap();
+    machine.board_mut().hold_core(true);
+    machine.core_mut().write_memory(0x2000_0000, &[0x5a; 16 * 1024]).unwrap();
+    machine.run_for(ms(5_000)).unwrap();
+    machine.reset_by(ResetSource::Software).unwrap();
+}
+
+/// A crash of the firmware in between counts, and only that.
+#[test]
+fn a_probes_resets_trip_and_never_lock() {
+    let rig = Rig::of(&heating(None));
+    start(&heating(None), &mut rig.instrument()).unwrap();
+    for flash in 0..10 {
+        // Some of them while it heats.
+        match flash {
+            5 => fault(&mut rig.machine()),
+            7 | 8 => rig.machine().reset_by(ResetSource::Software).unwrap(),
+            _ => flash_by_probe(&rig),
+        }
+        rig.machine().run_for(ms(20)).unwrap();
+        assert_eq!(rig.machine().board().heaters(), 0);
+        let mut instrument = rig.instrument();
+        let state = instrument.observe().unwrap().sample.state;
+        let cause = if let RunState::Tripped(trip) = state { Some(trip.cause) } else { None };
+        assert_eq!(cause, Some(if flash == 5 { Cause::Fault } else { Cause::Restart }), "flash {flash}");
+        assert!(!is_locked(&mut instrument), "flash {flash}");
+        start(&heating(None), &mut instrument).unwrap();
+        Rig::observe(&mut instrument, 5, |sample| assert_eq!(sample.state, RunState::Running));
+    }
+    // The one crash has counted: two more lock.
+    for is_last in [false, true] {
+        fault(&mut rig.machine());
+        let mut instrument = rig.instrument();
+        assert_eq!(is_locked(&mut instrument), is_last);
     }
     rig.assert_no_complaint();
 }

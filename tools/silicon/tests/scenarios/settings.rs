@@ -1,12 +1,18 @@
 //! Settings in the processor's own flash.
 
+use crate::lives::{Chance, number};
 use crate::rig::{Rig, experiment};
+use dr_core::control::RunState;
+use host_sim::experiment::Experiment;
 use host_sim::instrument::SettingsPort;
 use host_sim::instrument::serial::Serial;
+use host_sim::settings;
 use silicon::machine::MachineConfig;
 use silicon::soc::rcc::ResetSource;
 use silicon::stream::MachineStream;
 use silicon::time::ms;
+use std::collections::BTreeMap;
+use wire::settings::KeyNumber;
 use wire::{Name, Setting, SettingsReply, SettingsRequest};
 
 /// A setting of the key that most of this is about.
@@ -145,5 +151,92 @@ fn a_setting_that_changes_more_often_than_its_sectors_have_room_is_kept() {
     assert_eq!(kept(&mut instrument, &named(0)), Some(named(last)));
     rig.machine().reset_by(ResetSource::Pin).unwrap();
     assert_eq!(kept(&mut rig.instrument(), &named(0)), Some(named(last)));
+    rig.assert_no_complaint();
+}
+
+type StoredSettings = BTreeMap<KeyNumber, Setting>;
+
+/// Makes these the stored settings of a head, as `settings set --head` does. Returns all settings.
+fn store_head(instrument: &mut Serial<MachineStream>, of: &Experiment) -> StoredSettings {
+    let (kept, _) = settings::read_all(instrument).unwrap();
+    let mut to = settings::usable(&kept);
+    settings::of_head(&of.head, of.sample_period_s, &mut to).unwrap();
+    settings::change(instrument, &kept, &to).unwrap();
+    assert_eq!(without_tests(instrument), of_no_test(&to), "half a head");
+    of_no_test(&to)
+}
+
+/// All that is stored, without findings of self-tests.
+fn without_tests(instrument: &mut Serial<MachineStream>) -> StoredSettings {
+    of_no_test(&settings::usable(&settings::read_all(instrument).unwrap().0))
+}
+
+fn of_no_test(all: &StoredSettings) -> StoredSettings {
+    let is_wanted = |(_, setting): &(&KeyNumber, &Setting)| !matches!(setting, Setting::Tested(_));
+    all.iter().filter(is_wanted).map(|(&key, setting)| (key, setting.clone())).collect()
+}
+
+/// Writes names until the next one needs an erase.
+fn fill(rig: &Rig, instrument: &mut Serial<MachineStream>) {
+    let erases = rig.machine().board().flash.erases;
+    for number in 0..3_000 {
+        let before = rig.machine().snapshot().unwrap();
+        instrument.ask_settings(&storing(&name(number))).unwrap();
+        if rig.machine().board().flash.erases > erases {
+            rig.machine().restore(&before).unwrap();
+            return;
+        }
+    }
+    panic!("no sector is ever full");
+}
+
+/// Starts, and changes of the head, of which there are three in ten. `ANEMO_STARTS` asks for others.
+const STARTS: u64 = 20;
+
+#[test]
+fn starts_and_changes_with_a_head_configured_trip_nothing_and_leave_no_half_head() {
+    let own = Experiment { sample_period_s: 0.01, ..experiment("held.toml", 10) };
+    let mut other = Experiment { sample_period_s: 0.02, ..own.clone() };
+    other.head.elements.iter_mut().for_each(|element| element.config.limits.resistance_min_ohm += 1.0);
+    let heads = [own, other];
+    let rig = Rig::of(&heads[0]);
+    let mut instrument = rig.instrument();
+    store_head(&mut instrument, &heads[0]);
+    rig.machine().reset_by(ResetSource::Pin).unwrap();
+    instrument = rig.instrument();
+    let is_standby = || rig.machine().board().witness.state() == Some(RunState::Standby);
+    let before = rig.machine().board().flash.erases;
+    // The erase comes while the head is configured.
+    fill(&rig, &mut instrument);
+    instrument.ask_settings(&storing(&name(1_000_000))).unwrap();
+    assert_eq!(rig.machine().board().flash.erases, before + 1);
+    rig.machine().run_for(ms(100)).unwrap();
+    assert!(is_standby(), "the erase has tripped: {:?}", rig.machine().board().witness.state());
+    instrument.ask_settings(&storing(&name(1_000_001))).unwrap();
+    let mut stored = without_tests(&mut instrument);
+    let starts = number("ANEMO_STARTS").unwrap_or(STARTS);
+    let mut chance = Chance::of(48);
+    for start in 0..starts {
+        // At first they are brought about: by the findings of a start, by a change of the head.
+        if start == 0 || start == 9 {
+            fill(&rig, &mut instrument);
+            stored = without_tests(&mut instrument);
+        }
+        if start % 10 < 7 {
+            let source = chance.one_of(&[ResetSource::Pin, ResetSource::PowerOn]);
+            rig.machine().reset_by(source).unwrap();
+            instrument = rig.instrument();
+            // The self-test of the start, whose findings are stored.
+            rig.machine().run_for(ms(1_500)).unwrap();
+            assert_eq!(without_tests(&mut instrument), stored, "start {start}");
+        } else {
+            stored = store_head(&mut instrument, &heads[(start % 2) as usize]);
+            rig.machine().run_for(ms(100)).unwrap();
+        }
+        assert!(is_standby(), "start or change {start}: {:?}", rig.machine().board().witness.state());
+    }
+    let erases = rig.machine().board().flash.erases - before;
+    println!("{starts} starts and changes of the head, {erases} erases");
+    assert!(erases >= 3, "{erases} erases");
     rig.assert_no_complaint();
 }

@@ -192,6 +192,37 @@ fn a_dip_is_told_from_a_power_on_however_far_the_supply_falls() {
     }
 }
 
+/// A plug that is pulled and put back at once. Whether RAM has kept its content decides.
+#[test]
+fn a_gap_that_ram_survives_counts_once_and_one_that_costs_it_clears_the_count() {
+    for (lost_percent, locked_by) in [(0, Some(3)), (30, None), (100, None)] {
+        let rig = heated();
+        rig.machine().board_mut().set_ram_lost(lost_percent);
+        let mut locked = None;
+        for gap in 1..=4 {
+            // The detector notices first, and trips; the start that follows trips again.
+            rig.machine().dip(2_950, us(300)).unwrap();
+            rig.machine().dip(0, ms(5)).unwrap();
+            assert_eq!(rig.machine().board().heaters(), 0);
+            let mut instrument = rig.instrument();
+            let is_kept = lost_percent == 0;
+            let reset = if is_kept { ResetCause::BrownOut } else { ResetCause::PowerOn };
+            assert_eq!(instrument.identity().reset, reset, "{lost_percent} %, gap {gap}");
+            let status = instrument.status().unwrap();
+            assert_eq!(status.trips > 0, is_kept);
+            if status.locked {
+                locked = Some(gap);
+                break;
+            }
+            instrument.command(Command::Acknowledge).ok();
+            start(&heating(), &mut instrument).unwrap();
+            Rig::observe(&mut instrument, 110, |sample| assert_eq!(sample.state, RunState::Running));
+        }
+        assert_eq!(locked, locked_by, "{lost_percent} %");
+        rig.assert_no_complaint();
+    }
+}
+
 /// The firmware can do nothing before it runs: a board that lacks its pull-downs heats in every
 /// reset, which has to show.
 #[test]
