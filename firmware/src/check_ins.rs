@@ -1,6 +1,12 @@
 //! Check-ins: every task checks in, and the watchdog is fed only when all have.
 
-use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
+
+/// Beats without a patient member after which the watchdog is not fed: 5 s at 20 a second.
+///
+/// The settings server searches its sectors for up to a second before it writes, heaters low, and
+/// holds the idle loop back meanwhile.
+pub const MOST_BEATS: u32 = 100;
 
 /// Who has to check in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -11,33 +17,66 @@ pub enum Member {
     Receive,
     /// The transmitter.
     Transmit,
+    /// The settings server.
+    Settings,
+    /// The idle loop, which tests the memories.
+    Idle,
 }
 
 /// Who has checked in since the watchdog was last fed.
-pub struct CheckIns([AtomicBool; 3]);
+pub struct CheckIns {
+    tasks: [AtomicBool; 3],
+    patient: [PatientMember; 2],
+}
+
+/// A member that need not check in with every beat.
+struct PatientMember {
+    anew: AtomicBool,
+    /// Beats since it has checked in.
+    beats: AtomicU32,
+}
+
+impl PatientMember {
+    const fn new() -> Self {
+        Self { anew: AtomicBool::new(false), beats: AtomicU32::new(0) }
+    }
+
+    /// One beat more; whether it has checked in lately. A check-in between load and store is lost.
+    fn beat(&self) -> bool {
+        let beats = if self.anew.load(Relaxed) { 0 } else { self.beats.load(Relaxed).saturating_add(1) };
+        self.anew.store(false, Relaxed);
+        self.beats.store(beats, Relaxed);
+        beats < MOST_BEATS
+    }
+}
 
 impl CheckIns {
     /// No task yet.
     pub const fn none() -> Self {
-        Self([const { AtomicBool::new(false) }; 3])
+        Self { tasks: [const { AtomicBool::new(false) }; 3], patient: [const { PatientMember::new() }; 2] }
     }
 
     /// Records that a task has run.
     pub fn check_in(&self, member: Member) {
-        let Self([control, receive, transmit]) = self;
+        let Self { tasks: [control, receive, transmit], patient: [settings, idle] } = self;
         match member {
             Member::Control => control,
             Member::Receive => receive,
             Member::Transmit => transmit,
+            Member::Settings => &settings.anew,
+            Member::Idle => &idle.anew,
         }
         .store(true, Relaxed);
     }
 
-    /// Whether all have checked in; if so, the record is cleared.
+    /// Whether all have checked in; if so, the record is cleared. To be asked once a beat.
     pub fn all_anew(&self) -> bool {
-        let all = self.0.iter().all(|member| member.load(Relaxed));
+        let [settings, idle] = &self.patient;
+        // Both count on, whatever the other one does.
+        let (is_settings_well, is_idle_well) = (settings.beat(), idle.beat());
+        let all = is_settings_well && is_idle_well && self.tasks.iter().all(|member| member.load(Relaxed));
         if all {
-            self.0.iter().for_each(|member| member.store(false, Relaxed));
+            self.tasks.iter().for_each(|member| member.store(false, Relaxed));
         }
         all
     }
@@ -63,6 +102,24 @@ mod tests {
             // It was only late: those that have waited for it need not check in again.
             check_ins.check_in(silent);
             assert!(check_ins.all_anew());
+        }
+    }
+
+    #[test]
+    fn idle_loop_and_settings_server_may_be_silent_for_some_time() {
+        for silent in [Member::Settings, Member::Idle] {
+            let check_ins = CheckIns::none();
+            let beat = |is_silent: bool| {
+                let all = [Member::Control, Member::Receive, Member::Transmit, Member::Settings, Member::Idle];
+                all.iter().filter(|&&member| !is_silent || member != silent).for_each(|&it| check_ins.check_in(it));
+                check_ins.all_anew()
+            };
+            for _ in 0..2 {
+                assert!(beat(false));
+                assert!((1..MOST_BEATS).all(|_| beat(true)));
+                assert!((0..10).all(|_| !beat(true)), "{silent:?}");
+            }
+            assert!(beat(false));
         }
     }
 }

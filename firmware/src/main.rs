@@ -32,12 +32,12 @@ use defmt as _;
 mod app {
     use super::board::{self, ELEMENTS, FrontEnd, HostReceiver, HostTransmitter, Idler};
     use super::settings_loader::{Outcome, SettingsLoader};
-    use super::vitals::{self, Health, LoggedWind};
+    use super::vitals::{self, CHECK_INS, Health, LoggedWind};
     use super::{crash_memory, halt, ticking};
     use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
     use dr_core::control::{Cause, Lockout, LockoutWords, Margins, Refusal, RunState, TripHistory};
     use dr_core::{Command, Instrument};
-    use firmware::check_ins::{CheckIns, Member};
+    use firmware::check_ins::Member;
     use firmware::crash_record::CrashTrip;
     use firmware::cut_off::CutOff;
     use firmware::inbox::{Exchange, Inbox, Request, SettingsJob, TelemetryRequests, Wake};
@@ -76,7 +76,6 @@ mod app {
     static CUT: AtomicBool = AtomicBool::new(false);
     static TELEMETRY_REQUESTS: TelemetryRequests = TelemetryRequests::starting();
     static UNSENT: Unsent = Unsent::none();
-    static CHECK_INS: CheckIns = CheckIns::none();
     static LATE_TICKS: AtomicU32 = AtomicU32::new(0);
     static LOST_CONVERSIONS: AtomicU32 = AtomicU32::new(0);
     static CONTROL_CYCLES_MAX: AtomicU32 = AtomicU32::new(0);
@@ -222,6 +221,7 @@ mod app {
     #[inline(never)]
     fn idle(mut cx: idle::Context) -> ! {
         loop {
+            CHECK_INS.check_in(Member::Idle);
             if PROOF_IS_DUE.load(Relaxed) {
                 // Of what control uses, so that control waits, and the dead-man timer does not.
                 cx.shared.findings.lock(|_| {
@@ -500,7 +500,9 @@ mod app {
     #[task(binds = SPI3, priority = 2, local = [messages, answered, host_transmitter, identity, sequence: Sequence = Sequence::new()], shared = [status])]
     fn transmit(mut cx: transmit::Context) {
         let transmit::LocalResources { messages, answered, host_transmitter, identity, sequence, .. } = cx.local;
-        CHECK_INS.check_in(Member::Transmit);
+        if host_transmitter.is_well() {
+            CHECK_INS.check_in(Member::Transmit);
+        }
         while host_transmitter.is_free() {
             let mut number = || sequence.next(UNSENT.count());
             if TELEMETRY_REQUESTS.take_identity() {
@@ -534,11 +536,12 @@ mod app {
 
     /// Owns the settings in flash: sets the instrument up at a start, and carries out the host's
     /// requests. Priority 1, below all others, since it waits for the flash; two requests may wait
-    /// meanwhile. [`StandbyLock`] excludes writing to the flash while the instrument runs.
+    /// meanwhile. It checks in with every request, setting and write. [`StandbyLock`] excludes writing to the flash while the instrument runs.
     #[task(binds = SPI2, priority = 1, local = [loader, jobs, answers], shared = [findings])]
     fn serve_settings(mut cx: serve_settings::Context) {
         let serve_settings::LocalResources { loader, jobs, answers, .. } = cx.local;
         loop {
+            CHECK_INS.check_in(Member::Settings);
             if SET_UP.load(Relaxed) {
                 SET_UP.store(false, Relaxed);
                 set_up(loader);
@@ -593,7 +596,7 @@ mod app {
     /// resets the board.
     #[task(binds = SysTick, priority = 2, local = [health], shared = [status, host_counters, inbox, margins, history, wind, run_state])]
     fn health(mut cx: health::Context) {
-        if cx.local.health.beat(&CHECK_INS, CUT.load(Relaxed)) {
+        if cx.local.health.beat(CUT.load(Relaxed)) {
             let link = cx.shared.host_counters.lock(|counters| *counters);
             let refused = cx.shared.inbox.lock(|inbox| inbox.refused);
             let status = wire::Status {

@@ -1,8 +1,10 @@
 //! The settings loader: sets the instrument up with the stored settings, command by command.
 
 use crate::board::SettingsFlash;
+use crate::vitals::CHECK_INS;
 use dr_core::Command;
 use dr_core::control::{Refusal, SelfTestPlan};
+use firmware::check_ins::Member;
 use firmware::inbox::TelemetryRequests;
 use firmware::queue;
 use firmware::settings::{SettingsServer, StandbyLock, server::Next};
@@ -55,6 +57,7 @@ impl SettingsLoader {
             }
         }
         loop {
+            CHECK_INS.check_in(Member::Settings);
             match self.server.next_piece() {
                 Next::Apply(key, Setting::Command(command)) => match self.send(command, &wake_control) {
                     Ok(()) => {}

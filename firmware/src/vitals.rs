@@ -13,6 +13,9 @@ use wire::{Identity, Name, ResetCause};
 /// Name and version of this firmware.
 pub const NAME: &str = env!("ANEMO_FIRMWARE_NAME");
 
+/// Who has checked in for the watchdog.
+pub static CHECK_INS: CheckIns = CheckIns::none();
+
 /// What the health task remembers.
 pub struct Health {
     watchdog: Watchdog,
@@ -27,8 +30,8 @@ impl Health {
     }
 
     /// One beat; true once a second. `cut`: the platinum is to lose its supply.
-    pub fn beat(&mut self, check_ins: &CheckIns, cut: bool) -> bool {
-        if check_ins.all_anew() {
+    pub fn beat(&mut self, cut: bool) -> bool {
+        if CHECK_INS.all_anew() {
             self.watchdog.feed(cut);
         }
         self.beats += 1;

@@ -11,6 +11,12 @@ pub enum BrokenRule {
     /// Of the clock tree.
     #[error("a peripheral answers only while its clock is enabled")]
     ClockOff,
+    /// Of the clock tree.
+    #[error("a peripheral answers only some cycles after its clock was enabled: read back, or DSB")]
+    ClockJustOn,
+    /// Of the regulator.
+    #[error("above 144 MHz the regulator needs its scale 1: VOS in PWR_CR")]
+    VoltageScale,
     /// Nothing stands at the address, or nothing is modelled.
     #[error("nothing is modelled at {0:#010x}")]
     Unmodelled(u32),

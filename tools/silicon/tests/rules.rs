@@ -15,6 +15,7 @@ const PORT_B: u32 = 0x4002_0400;
 const SPI1: u32 = 0x4001_3000;
 const USART2: u32 = 0x4000_4400;
 const DMA1: u32 = 0x4002_6000;
+const POWER: u32 = 0x4000_7000;
 const WATCHDOG: u32 = 0x4000_3000;
 const SETTINGS: u32 = 0x0800_4000;
 
@@ -45,6 +46,7 @@ impl Bench {
             .store(RCC + 0x30, 1 << 21 | 0b111)
             .store(RCC + 0x40, 1 << 17 | 1 << 3)
             .store(RCC + 0x44, 1 << 12 | 1 << 14);
+        bench.0.barrier();
         // PA2, PA3: function 7. PA4: output, high. PA5 to PA7: function 5.
         bench.store(PORT_A + 0x18, 1 << 4).store(PORT_A + 0x20, 0x5550_7700).store(PORT_A, 0xa800_a9a0);
         bench.store(PORT_A + 0x08, SPEEDS);
@@ -127,6 +129,19 @@ fn the_clock_tree_is_watched() {
     // One prescaler off by one: APB1 at 84 MHz.
     let mut bench = Bench::running();
     bench.store(RCC + 0x08, 0b100 << 10 | 0b100 << 13 | 2).complains(BrokenRule::ClockTooFast);
+    // Spoken to at once, as a store and a load behind one another are; not after a barrier.
+    let mut bench = Bench::new();
+    bench.store(RCC + 0x40, 1 << 28);
+    assert_eq!(bench.load(POWER), 0);
+    bench.complains(BrokenRule::ClockJustOn);
+    let mut bench = Bench::new();
+    bench.store(RCC + 0x40, 1 << 28);
+    bench.0.barrier();
+    assert_eq!(bench.load(POWER), 0x4000);
+    bench.is_content();
+    // What was read as zero is written back: scale 2, for 144 MHz at the most.
+    let mut bench = Bench::running();
+    bench.store(RCC + 0x40, 1 << 28).wait(us(1)).store(POWER, 7 << 5 | 1 << 4).complains(BrokenRule::VoltageScale);
     // A wait state too few.
     let mut bench = Bench::running();
     bench.store(FLASH, 4).complains(BrokenRule::WaitStates { needed: 5, set: 4 });

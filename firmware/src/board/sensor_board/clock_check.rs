@@ -13,6 +13,8 @@ use stm32f4xx_hal::pac::tim5::RegisterBlock;
 /// 17 to 47 kHz, and a count of rounding.
 const EIGHT_PERIODS_US: RangeInclusive<u32> = 169..=472;
 const GIVEN_UP_US: u32 = 1_000;
+/// Rounds of 20 cycles and more, over 2 ms: for a timer that does not count at all.
+const GIVEN_UP_ROUNDS: u32 = 20_000;
 /// TI4_RMP: the slow oscillator is on input 4.
 const SLOW_OSCILLATOR: u8 = 1;
 /// IC4PSC: every eighth edge.
@@ -39,16 +41,17 @@ pub fn is_clock_right() -> bool {
 
 fn next_capture(timer: &RegisterBlock) -> Option<u32> {
     let started = timer.cnt().read().bits();
-    loop {
+    for _ in 0..GIVEN_UP_ROUNDS {
         let waited = timer.cnt().read().bits().wrapping_sub(started);
         // In this order: a task may come in between.
         if timer.sr().read().cc4if().bit_is_set() {
             return Some(timer.ccr4().read().bits());
         }
         if waited > GIVEN_UP_US {
-            return None;
+            break;
         }
     }
+    None
 }
 
 fn timer() -> &'static RegisterBlock {

@@ -5,6 +5,7 @@
 //! channel 1, above all tasks, the control task included; nothing that a task can do short of
 //! disabling interrupts keeps it from the pins, and the watchdog sees to that.
 
+use super::has_arrived;
 use firmware::dead_man::timeout_us;
 use stm32f4xx_hal::pac::TIM5;
 use stm32f4xx_hal::pac::tim5::RegisterBlock;
@@ -63,4 +64,5 @@ pub fn acknowledge_dead_man() {
     // meanwhile. If it was just starting or stopping the timer, it goes on with that afterwards,
     // and the levels that it then sets have just been decided.
     never_expire(unsafe { &*TIM5::ptr() });
+    has_arrived();
 }

@@ -56,9 +56,9 @@ pub const HEATER_MASK: u32 = (1 << ELEMENTS) - 1;
 /// Until the host sets one.
 pub const FIRST_PERIOD_US: u32 = 10_000;
 
-/// A frame, 20, and by how much [`DataReady`] may be wrong about its begin: several conversions
-/// that are served late one after the other, as while a model is taken in, move it by more than 60.
-const FRAME_US: u32 = 100;
+/// A frame, 20, and by how much [`DataReady`] may be wrong about its begin: 4 for each conversion
+/// that is served late one after the other, as while a model is taken in.
+const FRAME_US: u32 = 60;
 /// Frames from one read-back of the ADC's registers to the next.
 const FRAMES_A_CHECK: u32 = 250;
 

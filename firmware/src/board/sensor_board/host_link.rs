@@ -16,6 +16,10 @@
 //! (RM0090, "DMA stream x configuration register", EN), so that bit says whether the transmitter is
 //! free, and the interrupt says when to look.
 //!
+//! A stream that stays enabled beyond twice the time of the longest frame, since a request of the
+//! USART was lost or a bit of a register has changed, is set up anew; its frame is lost. One that
+//! does not recover is no longer reported as well, so that the watchdog restarts the board.
+//!
 //! **Receiving.** The stream runs in a circle and is never stopped, so there is no moment in which
 //! a byte finds nobody. Three things call `receive`: the line falls idle after a frame (USART2),
 //! half or all of the buffer is written (DMA1 stream 5), and the health task, 20 times a second. An
@@ -25,6 +29,8 @@
 //! only if the host goes on sending just as its line was found idle: that frame's checksum then
 //! fails, and the host repeats.
 
+use super::has_arrived;
+use super::stopwatch::{COUNTS_PER_US, counts};
 use core::ops::Range;
 use core::sync::atomic::{AtomicU8, Ordering::Relaxed, Ordering::SeqCst, fence};
 use firmware::drivers::circle::Circle;
@@ -45,6 +51,13 @@ use wire::MAX_FRAME;
 const BAUD: u32 = 921_600;
 /// Bytes from the host that may wait: 5.5 ms of them.
 const RECEIVED: usize = 512;
+
+/// Twice what the longest frame takes: 320 bytes of 10.95 µs.
+const LONGEST_FRAME_US: u32 = 7_000;
+/// Recoveries without a frame that has left after which the transmitter is not well.
+const MOST_RECOVERIES: u8 = 3;
+/// Reads of a stream's enable bit, which stays until a byte under way is through.
+const DISABLING_ROUNDS: u32 = 1_000;
 
 // Atomics, because somebody else reads and writes them: the DMA. They cost what plain bytes do.
 static TELEMETRY_FRAME: [AtomicU8; MAX_FRAME] = [const { AtomicU8::new(0) }; MAX_FRAME];
@@ -71,10 +84,8 @@ where
     let (tx, mut rx) = serial.split();
     let streams = StreamsTuple::new(dma, rcc);
 
-    let mut transmitter = DmaTransmitter { stream: streams.6 };
-    configure(&mut transmitter.stream, DmaDirection::MemoryToPeripheral, tx.address(), &TELEMETRY_FRAME);
-    transmitter.stream.set_priority(Priority::Medium);
-    transmitter.stream.listen(DmaEvent::TransferComplete | DmaEvent::TransferError);
+    let mut transmitter = DmaTransmitter { stream: streams.6, line: tx.address(), began: counts(), recoveries: 0 };
+    transmitter.set_up();
 
     rx.listen_idle();
     // SAFETY: nobody else uses the USART yet, and the HAL has no name for this bit: the errors
@@ -110,17 +121,59 @@ fn configure(
 /// Frames to the host.
 pub struct DmaTransmitter {
     stream: Stream6<DMA1>,
+    /// Address of the USART's data register.
+    line: u32,
+    /// When the last frame began.
+    began: u32,
+    /// Since the last frame that has left.
+    recoveries: u8,
 }
 
 impl DmaTransmitter {
-    /// Whether the last frame has left the buffer.
-    pub fn is_free(&self) -> bool {
+    /// Whether the last frame has left the buffer. A stream that is stuck is set up anew.
+    pub fn is_free(&mut self) -> bool {
+        if !self.stream.is_enabled() {
+            return true;
+        }
+        if counts().wrapping_sub(self.began) > LONGEST_FRAME_US * COUNTS_PER_US {
+            self.recover();
+        }
         !self.stream.is_enabled()
+    }
+
+    /// Whether frames leave.
+    pub const fn is_well(&self) -> bool {
+        self.recoveries < MOST_RECOVERIES
+    }
+
+    fn recover(&mut self) {
+        self.recoveries = self.recoveries.saturating_add(1);
+        self.began = counts();
+        // SAFETY: nobody waits for the frame.
+        unsafe { self.stream.disable() };
+        if (0..DISABLING_ROUNDS).any(|_| !self.stream.is_enabled()) {
+            self.set_up();
+            // SAFETY: these bits are the transmitter's, and only this task changes the registers
+            // once the link is set up.
+            let usart = unsafe { &*USART2::ptr() };
+            usart.cr3().modify(|_, w| w.dmat().set_bit());
+            usart.cr1().modify(|_, w| w.ue().set_bit().te().set_bit());
+        }
+    }
+
+    fn set_up(&mut self) {
+        configure(&mut self.stream, DmaDirection::MemoryToPeripheral, self.line, &TELEMETRY_FRAME);
+        self.stream.set_priority(Priority::Medium);
+        self.stream.listen(DmaEvent::TransferComplete | DmaEvent::TransferError);
     }
 
     /// Sends a frame. Call it only when the transmitter is free; what is longer than a frame can be
     /// is cut.
     pub fn send(&mut self, frame: &[u8]) {
+        if self.stream.number_of_transfers() == 0 {
+            self.recoveries = 0;
+        }
+        self.began = counts();
         let length = frame.len().min(MAX_FRAME);
         for (to, &byte) in TELEMETRY_FRAME.iter().zip(frame) {
             to.store(byte, Relaxed);
@@ -141,12 +194,14 @@ impl DmaTransmitter {
 pub fn acknowledge_sent() {
     // SAFETY: a flag is cleared by writing a one; zeros leave those of other streams alone.
     unsafe { (*DMA1::ptr()).hifcr().write(|w| w.bits(0x3D << 16)) };
+    has_arrived();
 }
 
 /// Clears the interrupt of the receiver's stream.
 pub fn acknowledge_received() {
     // SAFETY: as above.
     unsafe { (*DMA1::ptr()).hifcr().write(|w| w.bits(0x3D << 6)) };
+    has_arrived();
 }
 
 /// Bytes from the host.

@@ -113,6 +113,7 @@ pub fn init(
     let gpioa = device.GPIOA.split(&mut rcc);
     let gpiob = device.GPIOB.split(&mut rcc);
     let mut watchdog = HardwareWatchdog::new(device.IWDG, &device.DBGMCU, gpiob.pb1.into_push_pull_output());
+    stopwatch::start(&device.TIM2, &mut rcc);
     let (host_transmitter, host_receiver) =
         host_link::start(device.USART2, device.DMA1, gpioa.pa2, gpioa.pa3, &mut rcc);
     let pins = AdcPins {
@@ -125,7 +126,6 @@ pub fn init(
         data_ready: gpiob.pb4.into_pull_up_input(),
         reset: gpiob.pb0.into_push_pull_output_in_state(PinState::High),
     };
-    stopwatch::start(&device.TIM2, &mut rcc);
     supply::listen(&device.EXTI);
     let dead_man = DeadManTimer::new(device.TIM5, FIRST_PERIOD_US, &mut rcc);
     let front_end = AdcFrontEnd::start(device.SPI1, pins, device.EXTI, device.SYSCFG, heaters, dead_man, &mut rcc);
@@ -147,6 +147,13 @@ pub fn heaters_low() {
     // context can be disturbed half-way. Before the port has its clock the store does nothing, and
     // the pins float, pulled down.
     unsafe { (*GPIOC::ptr()).bsrr().write(|w| w.bits(HEATER_MASK << 16)) };
+}
+
+/// Waits until the last store has reached its peripheral, for handlers that clear their interrupt.
+/// In the write buffer it would still be there when the handler returns, and the interrupt would be
+/// taken once more (Arm DAI 0321A, "Memory barrier instructions").
+fn has_arrived() {
+    cortex_m::asm::dsb();
 }
 
 /// Where the settings are kept, once more: for a flash that held something else, and whose first

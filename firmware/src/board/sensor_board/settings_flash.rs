@@ -19,11 +19,14 @@
 //! Nothing of this has run on a chip. What it is asked to do is tested on the host
 //! (`firmware/src/settings`).
 
+use super::clocks::{CYCLES_PER_US, cycles};
 use super::watchdog;
+use crate::vitals::CHECK_INS;
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
+use firmware::check_ins::Member;
 use stm32f4xx_hal::pac::FLASH;
 
 const START: usize = 0x0800_4000;
@@ -35,6 +38,10 @@ const WORD: usize = 4;
 const KEYS: [u32; 2] = [0x4567_0123, 0xCDEF_89AB];
 /// Errors in FLASH_SR: PGSERR, PGPERR, PGAERR, WRPERR, OPERR; each is cleared by writing a one.
 const ERRORS: u32 = 0b1111_0010;
+
+/// Twice the longest erase of a sector, and ten times the longest write of a word (data sheet).
+const LONGEST_ERASE_US: u32 = 1_000_000;
+const LONGEST_WRITE_US: u32 = 1_000;
 
 /// An erase has begun since the front end last asked.
 static HAS_ERASED: AtomicBool = AtomicBool::new(false);
@@ -57,24 +64,41 @@ impl SectorFlash {
         Self(flash)
     }
 
-    fn wait(&self) -> Result<(), NorFlashErrorKind> {
-        // Bounded by the hardware: an erase ends by itself, well or not.
-        while self.0.sr().read().bsy().bit_is_set() {}
+    fn is_busy(&self) -> bool {
+        self.0.sr().read().bsy().bit_is_set()
+    }
+
+    fn wait(&self, longest_us: u32) -> Result<(), NorFlashErrorKind> {
+        let started = cycles();
+        while self.is_busy() {
+            if cycles().wrapping_sub(started) > longest_us * CYCLES_PER_US {
+                return Err(NorFlashErrorKind::Other);
+            }
+        }
         if self.0.sr().read().bits() & ERRORS == 0 { Ok(()) } else { Err(NorFlashErrorKind::Other) }
     }
 
-    /// Does something with the flash unlocked, and locks it again whatever comes of it.
+    /// Does something with the flash unlocked, and locks it again whatever comes of it. A flash
+    /// that stays busy is left alone: a store to FLASH_CR would never end (RM0090, "FLASH_CR").
     fn unlocked(
         &mut self,
         work: impl FnOnce(&mut Self) -> Result<(), NorFlashErrorKind>,
     ) -> Result<(), NorFlashErrorKind> {
-        for key in KEYS {
-            self.0.keyr().write(|w| w.key().set(key));
+        if self.is_busy() {
+            return Err(NorFlashErrorKind::Other);
+        }
+        if self.0.cr().read().lock().bit_is_set() {
+            for key in KEYS {
+                self.0.keyr().write(|w| w.key().set(key));
+            }
         }
         // Left from before, they would count as this work's.
         // SAFETY: zeros have no effect here.
         self.0.sr().write(|w| unsafe { w.bits(ERRORS) });
         let done = work(self);
+        if self.is_busy() {
+            return Err(NorFlashErrorKind::Other);
+        }
         self.0.cr().modify(|_, w| w.pg().clear_bit().ser().clear_bit().lock().set_bit());
         done
     }
@@ -96,10 +120,11 @@ impl SectorFlash {
             HAS_ERASED.store(true, Relaxed);
             self.0.cr().modify(|_, w| w.strt().set_bit());
         });
-        let done = self.wait();
+        self.wait(LONGEST_ERASE_US)?;
         self.0.cr().modify(|_, w| w.ser().clear_bit());
         self.forget_data_cache();
-        done
+        CHECK_INS.check_in(Member::Settings);
+        Ok(())
     }
 }
 
@@ -145,6 +170,7 @@ impl NorFlash for SectorFlash {
 
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), NorFlashErrorKind> {
         check_write(self, offset, bytes.len())?;
+        CHECK_INS.check_in(Member::Settings);
         self.unlocked(|flash| {
             for (i, word) in bytes.chunks_exact(WORD).enumerate() {
                 let address = START + offset as usize + i * WORD;
@@ -153,7 +179,7 @@ impl NorFlash for SectorFlash {
                 // SAFETY: a word of the settings' sectors, by the check above; nothing else stands
                 // there.
                 unsafe { (address as *mut u32).write_volatile(word) };
-                flash.wait()?;
+                flash.wait(LONGEST_WRITE_US)?;
                 // SAFETY: as above.
                 if unsafe { (address as *const u32).read_volatile() } != word {
                     return Err(NorFlashErrorKind::Other);

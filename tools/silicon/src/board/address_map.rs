@@ -3,20 +3,26 @@
 use super::{BUS_FUNCTION, BUS_PINS, Board, DATA_READY_PIN, DEBUG_CONTROL, LINE_FUNCTION, LINE_PINS, Sending};
 use crate::complaint::BrokenRule;
 use crate::processor::bus::{BusFault, MemoryJob};
-use crate::soc::access::Access;
+use crate::soc::access::{Access, Clocks};
 use crate::soc::dma::{self, Dma};
 use crate::soc::gpio::GpioPort;
 use crate::soc::rcc::ResetSource;
 use crate::soc::spi::Spi;
 use crate::soc::timer::Timer;
 use crate::soc::usart::Usart;
+use crate::time::periods;
+
+/// The core's own registers, and beyond.
+const CORE: u32 = 0xe000_0000;
 
 /// The fastest APB2 by the speed of SCK's pin at 30 pF, Hz (ES0182, 2.12.4): the bus takes its own
 /// clock back from the pin, and a pin that is slow brings the last bit too late.
 const CLOCK_PIN_HZ: [u64; 4] = [25_000_000, 75_000_000, 84_000_000, 84_000_000];
 
 impl Board {
-    /// Whether a peripheral's clock is on; its complaint if not.
+    /// Whether a peripheral's clock is on; its complaint if not. A clock that was just switched on
+    /// is not there for two cycles of AHB, or one and as many as one of APB has (ES0182, "Delay
+    /// after an RCC peripheral clock enabling"). A barrier takes longer than that.
     pub(super) fn is_clocked(&mut self, address: u32) -> bool {
         let (bus, bit, register) = match address & !0x3ff {
             0x4002_0000 => (0, 0, "GPIOA"),
@@ -31,9 +37,21 @@ impl Board {
             0x4001_3800 => (2, 14, "SYSCFG"),
             _ => return true,
         };
-        let is_on = self.rcc.gates()[bus] >> bit & 1 == 1;
-        if !is_on {
+        let is_open = self.rcc.gates()[bus] >> bit & 1 == 1;
+        if !is_open {
             self.complaints.add(self.now, register, BrokenRule::ClockOff);
+            return false;
+        }
+        if self.opened[bus] >> bit & 1 == 0 {
+            return true;
+        }
+        let Clocks { core_hz, apb1_hz, apb2_hz, .. } = self.clocks;
+        let bus_hz = [core_hz, apb1_hz, apb2_hz][bus].max(1);
+        let is_on = self.now > self.opened_at + periods(1, core_hz.max(1)) + periods(1, bus_hz);
+        if is_on {
+            self.opened[bus] &= !(1 << bit);
+        } else {
+            self.complaints.add(self.now, register, BrokenRule::ClockJustOn);
         }
         is_on
     }
@@ -44,6 +62,10 @@ impl Board {
         }
         let offset = address & 0x3ff;
         let core_hz = self.clocks.core_hz;
+        // A load from a peripheral comes after all stores to peripherals.
+        if address < CORE {
+            self.stores_arrive();
+        }
         match address {
             0x4001_3000..0x4001_3400 => self.run_bus(),
             0x4000_4400..0x4000_4800 | 0x4002_6000..0x4002_6400 | 0x4000_0c00..0x4000_1000 => self.settle_now(),
@@ -89,6 +111,9 @@ impl Board {
         let offset = address & 0x3ff;
         let core_hz = self.clocks.core_hz;
         let wait_states = self.flash.wait_states();
+        if address < CORE {
+            self.stores_arrive();
+        }
         match address {
             0x4001_3000..0x4001_3400 | 0x4002_0000..0x4002_0800 => self.run_bus(),
             0x4002_6000..0x4002_6400 | 0x4000_0c00..0x4000_1000 => self.settle_now(),
@@ -97,7 +122,13 @@ impl Board {
         let mut access = Access { now: self.now, clocks: self.clocks, complaints: &mut self.complaints };
         match address {
             0x4002_3800..0x4002_3c00 => {
+                let before = self.rcc.gates();
                 self.rcc.store(offset, value, wait_states, &mut access);
+                let gates = self.rcc.gates();
+                if gates != before {
+                    self.opened = std::array::from_fn(|bus| self.opened[bus] | gates[bus] & !before[bus]);
+                    self.opened_at = self.now;
+                }
                 self.set_clocks();
                 self.hold_in_reset();
             }
@@ -142,6 +173,7 @@ impl Board {
                 let was_low = self.power.is_low();
                 self.power.store(offset, value);
                 self.wire_detector(was_low);
+                self.check_scale();
             }
             0xe004_2000..0xe004_2400 => drop(self.remembered.insert(address, value)),
             0xe000_0000..0xe010_0000 => {
@@ -164,7 +196,7 @@ impl Board {
             // These pins and lines are written thousands of times a second: only what waits
             // afterwards is a reason to stop.
             0x4001_3c00..0x4001_4000 => {
-                self.wire_lines();
+                self.wire_lines_by_store();
                 self.attention |= self.exti.line(DATA_READY_PIN).1 || self.exti.supply_line().1;
             }
             0x4002_3c00..0x4002_4000 => {
@@ -172,7 +204,7 @@ impl Board {
                 self.touch();
             }
             _ => {
-                self.wire_lines();
+                self.wire_lines_by_store();
                 self.touch();
             }
         }

@@ -57,6 +57,11 @@ impl ProcessorBus for Board {
         self.store_word(address, size, value)
     }
 
+    fn barrier(&mut self) {
+        self.stores_arrive();
+        self.opened = [0; 3];
+    }
+
     fn nvic(&mut self) -> &mut Nvic {
         &mut self.system.nvic
     }

@@ -40,6 +40,9 @@ impl Board {
             self.request_reset(ResetSource::Watchdog);
         }
         self.wire_cut_off();
+        if self.falls_at <= now {
+            self.stores_arrive();
+        }
         self.wire_lines();
         self.next_event = self.find_next_event();
         self.attention = true;
@@ -56,6 +59,7 @@ impl Board {
             sending,
             self.watchdog_ends_at(),
             self.platinum_supply.next_event(),
+            self.falls_at,
         ];
         times.into_iter().min().unwrap_or(u64::MAX)
     }

@@ -32,7 +32,7 @@ use crate::plant::SensorPlant;
 use crate::processor::SystemControl;
 use crate::processor::bus::MemoryJob;
 use crate::processor::nvic::NMI;
-use crate::soc::access::Clocks;
+use crate::soc::access::{Access, Clocks};
 use crate::soc::dma::Dma;
 use crate::soc::exti::Exti;
 use crate::soc::flash::Flash;
@@ -66,6 +66,9 @@ const DEBUG_FREEZE: u32 = 0xe004_2008;
 const DEBUG_FREEZE_WATCHDOG: u32 = 1 << 12;
 /// What an access to a peripheral costs beside the instruction.
 const ACCESS_CYCLES: u64 = 2;
+/// What a store may take to arrive at a peripheral of APB1, which runs at a quarter of the core's
+/// clock: two of its cycles, and the bridge. The core goes on meanwhile.
+const STORE_CYCLES: u64 = 12;
 
 /// Levels of the heaters from some time on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,6 +97,12 @@ pub struct Board {
     debug_sleep_works: bool,
     races_at_watchdog: bool,
     holds_back: bool,
+    /// Interrupts whose lines fall as soon as the last store has arrived, and when that is.
+    falling: u128,
+    falls_at: u64,
+    /// Clock gates that were opened by the last stores, and since when.
+    opened: [u32; 3],
+    opened_at: u64,
     /// The dead-man timer's interrupt never comes.
     has_dead_timer: bool,
     /// Nothing pulls the heaters down: a pin that floats may be high.
@@ -164,6 +173,10 @@ impl Board {
             debug_sleep_works: true,
             races_at_watchdog: false,
             holds_back: false,
+            falling: 0,
+            falls_at: u64::MAX,
+            opened: [0; 3],
+            opened_at: 0,
             has_dead_timer: false,
             lacks_pull_downs: false,
             waiting: None,
@@ -346,6 +359,20 @@ impl Board {
         self.has_dead_timer = true;
     }
 
+    /// The dead-man timer does not count any more, and captures nothing.
+    pub fn stop_timer(&mut self) {
+        self.timer.slow_hz = 0;
+        let mut access = Access { now: self.now, clocks: self.clocks, complaints: &mut self.complaints };
+        self.timer.store(0, 0, &mut access);
+        self.touch();
+    }
+
+    /// The next frame to the host does not leave, since the line asks for no byte. `for_ever`: nor
+    /// does the stream obey, until the next reset.
+    pub const fn stick_transmitter(&mut self, for_ever: bool) {
+        self.dma.stick(for_ever);
+    }
+
     /// The pull-downs of the heaters are missing from now on.
     pub const fn lift_pull_downs(&mut self) {
         self.lacks_pull_downs = true;
@@ -390,6 +417,7 @@ impl Board {
         if clocks != self.clocks {
             self.system.cycle_counter.rebase(self.now, self.clocks.core_hz, 0);
             self.clocks = clocks;
+            self.check_scale();
         }
     }
 }

@@ -32,6 +32,13 @@ impl Board {
         self.wire_lines();
     }
 
+    /// The regulator's scale may not be enough for the core's clock.
+    pub(super) fn check_scale(&mut self) {
+        if self.clocks.core_hz > self.power.fastest_hz() {
+            self.complaints.add(self.now, "PWR_CR", BrokenRule::VoltageScale);
+        }
+    }
+
     /// Something was just begun with the flash.
     pub(super) fn check_programming(&mut self) {
         if self.flash.busy_until() > self.now && self.power.supply_mv() < PROGRAMMING_MV {

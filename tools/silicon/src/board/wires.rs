@@ -1,6 +1,6 @@
 //! Wires between pins, peripherals, converter and heaters.
 
-use super::{Board, DATA_READY_PIN, HEATERS, LED_PIN, PORT_B, PinChange, RESET_PIN, SELECT_PIN};
+use super::{Board, DATA_READY_PIN, HEATERS, LED_PIN, PORT_B, PinChange, RESET_PIN, SELECT_PIN, STORE_CYCLES};
 use crate::complaint::BrokenRule;
 use crate::soc::access::Access;
 use crate::soc::dma;
@@ -66,18 +66,45 @@ impl Board {
         }
     }
 
+    /// The last store has arrived.
+    pub(super) fn stores_arrive(&mut self) {
+        if self.falling != 0 {
+            (self.falling, self.falls_at) = (0, u64::MAX);
+            self.wire_lines();
+        }
+    }
+
+    /// Lines of interrupts, after a store: one that has cleared a flag is still on its way, and the
+    /// interrupt controller sees its line high until it has arrived.
+    pub(super) fn wire_lines_by_store(&mut self) {
+        for (interrupt, high) in self.lines() {
+            if high {
+                self.system.nvic.set_line(interrupt, true);
+            } else if self.system.nvic.line(interrupt) {
+                self.falling |= 1 << interrupt;
+                self.falls_at = self.now + STORE_CYCLES;
+                self.next_event = self.next_event.min(self.falls_at);
+            }
+        }
+    }
+
     /// Lines of interrupts.
     pub(super) fn wire_lines(&mut self) {
-        let lines = [
+        for (interrupt, high) in self.lines() {
+            if high || self.falling >> interrupt & 1 == 0 {
+                self.system.nvic.set_line(interrupt, high);
+            }
+        }
+    }
+
+    fn lines(&self) -> [(u16, bool); 6] {
+        [
             self.exti.line(DATA_READY_PIN),
             self.exti.supply_line(),
             (timer::INTERRUPT, self.timer.line() && !self.has_dead_timer),
             (usart::INTERRUPT, self.usart.line()),
             self.dma.line(dma::RECEIVING),
             self.dma.line(dma::SENDING),
-        ];
-        for (interrupt, high) in lines {
-            self.system.nvic.set_line(interrupt, high);
-        }
+        ]
     }
 }

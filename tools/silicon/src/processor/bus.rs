@@ -44,6 +44,9 @@ pub trait ProcessorBus {
     /// Whether the core holds all interrupts back, said before each of its stores.
     fn holds_back(&mut self, _: bool) {}
 
+    /// The core waits until all its stores have arrived (DSB).
+    fn barrier(&mut self) {}
+
     /// Exceptions.
     fn nvic(&mut self) -> &mut Nvic;
 

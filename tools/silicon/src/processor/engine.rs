@@ -52,6 +52,8 @@ const THUMB: u64 = 1 << 24;
 /// at another address anew after every stop.
 const NOWHERE: u64 = 0;
 const WFI: [u8; 2] = [0x30, 0xbf];
+/// DSB SY.
+const BARRIER: [u8; 4] = [0xbf, 0xf3, 0x4f, 0x8f];
 
 /// Why the emulator could not go on: an error of its own, not of the firmware.
 #[derive(Debug, thiserror::Error)]
@@ -176,6 +178,10 @@ impl<B: ProcessorBus + 'static> Processor<B> {
             false
         })?;
         unicorn.add_block_hook(1, 0, at_block)?;
+        for (place, _) in flash.windows(4).enumerate().step_by(2).filter(|(_, code)| *code == BARRIER) {
+            let address = FLASH + place as u64;
+            unicorn.add_code_hook(address, address, |unicorn, _, _| unicorn.get_data_mut().bus.barrier())?;
+        }
         unicorn.add_intr_hook(|unicorn, number| {
             unicorn.get_data_mut().exception = Some(number);
             unicorn.emu_stop().ok();
@@ -333,6 +339,7 @@ impl<B: ProcessorBus + 'static> Processor<B> {
         match exception::leave(&mut self.unicorn, link) {
             Ok(ended) => {
                 let bus = self.bus_mut();
+                bus.settle();
                 bus.nvic().leave(ended);
                 bus.spend(RETURN_CYCLES);
                 Ok(())

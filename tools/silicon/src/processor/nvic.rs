@@ -72,6 +72,11 @@ impl Nvic {
         }
     }
 
+    /// Whether a peripheral holds its line high.
+    pub const fn line(&self, interrupt: u16) -> bool {
+        self.lines >> (FIRST_INTERRUPT + interrupt) & 1 == 1
+    }
+
     /// The exception whose handler runs; 0 if none does.
     pub fn handled(&self) -> u16 {
         self.active.last().copied().unwrap_or(0)

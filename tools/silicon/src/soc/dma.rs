@@ -47,6 +47,9 @@ impl Default for Stream {
 pub struct Dma {
     status: [u32; 2],
     streams: [Stream; 8],
+    /// The next frame does not leave; nor does the stream obey.
+    sticks: bool,
+    sticks_for_ever: bool,
 }
 
 /// A stream has begun to send.
@@ -81,6 +84,11 @@ impl Dma {
         self.streams[SENDING].left = 0;
         self.streams[SENDING].control &= !ENABLE;
         self.flag(SENDING, COMPLETE);
+    }
+
+    /// The next frame does not leave. `for_ever`: its stream cannot be disabled, either.
+    pub const fn stick(&mut self, for_ever: bool) {
+        (self.sticks, self.sticks_for_ever) = (true, for_ever);
     }
 
     /// Whether a stream is enabled.
@@ -143,12 +151,20 @@ impl Dma {
                 }
                 match place {
                     0x00 => {
-                        stream.control = value;
+                        let is_deaf = is_on && number == SENDING && self.sticks_for_ever;
+                        stream.control = if is_deaf { value | ENABLE } else { value };
+                        // One that is disabled has ended.
+                        if is_on && stream.control & ENABLE == 0 {
+                            self.flag(number, COMPLETE);
+                            return None;
+                        }
                         if !is_on && value & ENABLE != 0 {
                             if flags != 0 {
                                 access.complain("DMA_SxCR", BrokenRule::DmaFlagsStand);
                             }
-                            return stream.begin(number, transmits, access);
+                            let begins = stream.begin(number, transmits, access);
+                            let is_stuck = number == SENDING && std::mem::take(&mut self.sticks);
+                            return begins.filter(|_| !is_stuck);
                         }
                     }
                     0x04 => stream.left = value & 0xffff,

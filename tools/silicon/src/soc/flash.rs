@@ -70,6 +70,8 @@ pub struct Flash {
     pub option_writes: u32,
     /// How long the erase of a sector takes.
     pub erase_time: u64,
+    /// The busy bit stays set, though nothing is under way.
+    pub is_stuck_busy: bool,
     /// Sectors erased.
     pub erases: u32,
     /// Words written.
@@ -95,6 +97,7 @@ impl Default for Flash {
             options_are_stuck: false,
             option_writes: 0,
             erase_time: ms(250),
+            is_stuck_busy: false,
             erases: 0,
             writes: 0,
         }
@@ -112,6 +115,7 @@ impl Flash {
             options_are_stuck: self.options_are_stuck,
             option_writes: self.option_writes,
             erase_time: self.erase_time,
+            is_stuck_busy: self.is_stuck_busy,
             erases: self.erases,
             writes: self.writes,
             ..fresh
@@ -153,11 +157,15 @@ impl Flash {
     pub fn load(&self, offset: u32, access: &Access<'_>) -> u32 {
         match offset {
             0x00 => self.access_control,
-            0x0c => self.status | if access.now < self.busy_until { BUSY } else { 0 },
+            0x0c => self.status | if self.is_busy(access) { BUSY } else { 0 },
             0x10 => self.control,
             0x14 => self.option_control,
             _ => 0,
         }
+    }
+
+    const fn is_busy(&self, access: &Access<'_>) -> bool {
+        access.now < self.busy_until || self.is_stuck_busy
     }
 
     /// Writes a register.
@@ -227,7 +235,7 @@ impl Flash {
     }
 
     fn set_control(&mut self, value: u32, access: &mut Access<'_>) {
-        if self.control & LOCK != 0 || access.now < self.busy_until {
+        if self.control & LOCK != 0 || self.is_busy(access) {
             access.complain("FLASH_CR", BrokenRule::FlashLocked);
             return;
         }

@@ -22,6 +22,8 @@ const RAM_KEEPS_MV: u32 = 800;
 /// VOS, which 168 MHz need.
 const SCALE_1: u32 = 1 << 14;
 const DETECTOR_ENABLE: u32 = 1 << 4;
+/// VOS of STM32F405, and PWR_CR after a reset.
+const SCALE_1: u32 = 1 << 14;
 const DETECTOR_OUTPUT: u32 = 1 << 2;
 
 /// Supply and supervisors.
@@ -96,6 +98,11 @@ impl Power {
         self.is_low = self.control & DETECTOR_ENABLE != 0 && self.supply_mv < level;
     }
 
+    /// The fastest clock of the core at the regulator's scale.
+    pub const fn fastest_hz(&self) -> u64 {
+        if self.control & SCALE_1 == 0 { 144_000_000 } else { 168_000_000 }
+    }
+
     /// Wait states that a clock needs at this supply (RM0090, table "Number of wait states
     /// according to CPU clock frequency").
     pub const fn wait_states(&self, core_hz: u64) -> u32 {
@@ -134,7 +141,8 @@ mod tests {
     #[test]
     fn a_falling_supply_meets_detector_brown_out_and_power_down_in_this_order() {
         let mut power = Power::new(OPTIONS);
-        power.store(0, DETECTOR_ENABLE | 7 << 5);
+        assert_eq!(power.load(0), 0x4000);
+        power.store(0, SCALE_1 | DETECTOR_ENABLE | 7 << 5);
         assert_eq!((power.set_supply(3_000), power.is_low()), (None, true));
         // The hysteresis of the detector.
         assert_eq!((power.set_supply(3_100), power.is_low()), (None, true));

@@ -60,7 +60,7 @@ pub fn fill_stack(machine: &mut Machine) {
 }
 
 /// Brings a task to its beginning and so many cycles further; false if it has ended by then.
-fn enter(machine: &mut Machine, exception: u16, depth: u64) -> bool {
+pub fn enter(machine: &mut Machine, exception: u16, depth: u64) -> bool {
     // Something else may just wait that goes first.
     loop {
         while machine.core_mut().handled() != 0 {

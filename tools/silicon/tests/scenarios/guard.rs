@@ -47,6 +47,18 @@ fn a_silent_converter_lowers_the_heaters_by_the_dead_man_timer() {
     assert!(end.cycle - at < ms(80), "{}", end.cycle - at);
 }
 
+/// The store that clears the timer's flag is still on its way when a handler ends with it.
+#[test]
+fn the_dead_man_timer_is_handled_once_each_time_that_it_expires() {
+    let rig = Rig::of(&heating());
+    heat(&rig);
+    let mut instrument = rig.instrument();
+    rig.machine().board_mut().set_adc_fault(Some(AdcFault::Silent));
+    rig.machine().run_for(ms(100)).unwrap();
+    assert_eq!(instrument.status().unwrap().deadlines, 1);
+    rig.assert_no_complaint();
+}
+
 /// The health task looks twenty times a second, and may find a tick just over whose last
 /// conversions never came.
 #[test]

@@ -153,3 +153,14 @@ fn the_proof_of_the_watchdog_delays_the_start_by_twenty_milliseconds() {
         }
     }
 }
+
+/// The idle loop measures by it, and must not wait for it.
+#[test]
+fn a_timer_that_stands_still_is_found_by_the_clocks_comparison() {
+    let rig = Rig::of(&heating());
+    rig.instrument();
+    rig.machine().board_mut().stop_timer();
+    assert_eq!(until_trip(&rig, ms(2_000)).map(|(cause, _)| cause), Some(Cause::Clock));
+    assert_eq!(rig.machine().resets(), []);
+    rig.assert_no_complaint();
+}

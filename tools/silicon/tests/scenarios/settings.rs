@@ -4,8 +4,8 @@ use crate::lives::{Chance, number};
 use crate::rig::{Rig, experiment};
 use dr_core::control::RunState;
 use host_sim::experiment::Experiment;
-use host_sim::instrument::SettingsPort;
 use host_sim::instrument::serial::Serial;
+use host_sim::instrument::{InstrumentError, SettingsPort};
 use host_sim::settings;
 use silicon::machine::MachineConfig;
 use silicon::soc::rcc::ResetSource;
@@ -13,7 +13,7 @@ use silicon::stream::MachineStream;
 use silicon::time::ms;
 use std::collections::BTreeMap;
 use wire::settings::KeyNumber;
-use wire::{Name, Setting, SettingsReply, SettingsRequest};
+use wire::{Name, Setting, SettingsRefusal, SettingsReply, SettingsRequest};
 
 /// A setting of the key that most of this is about.
 const EVERY: Setting = Setting::TelemetryEvery(0);
@@ -65,6 +65,25 @@ fn an_erase_as_long_as_the_data_sheet_allows_is_no_reset_at_any_speed_of_the_wat
         assert_eq!(rig.machine().resets(), []);
         rig.assert_no_complaint();
     }
+}
+
+#[test]
+fn a_flash_that_stays_busy_is_an_answer_and_hangs_nothing() {
+    let rig = Rig::of(&experiment("held.toml", 10));
+    let mut instrument = rig.instrument();
+    store(&mut instrument, 3);
+    rig.machine().board_mut().flash.is_stuck_busy = true;
+    for _ in 0..2 {
+        let refused = instrument.ask_settings(&storing(&Setting::TelemetryEvery(4))).unwrap_err();
+        assert!(matches!(refused, InstrumentError::Settings(SettingsRefusal::Flash)), "{refused}");
+    }
+    rig.machine().run_for(ms(1_000)).unwrap();
+    assert_eq!(rig.machine().resets(), []);
+    rig.machine().board_mut().flash.is_stuck_busy = false;
+    assert_eq!(kept(&mut instrument, &EVERY), Some(Setting::TelemetryEvery(3)));
+    store(&mut instrument, 5);
+    assert_eq!(kept(&mut instrument, &EVERY), Some(Setting::TelemetryEvery(5)));
+    rig.assert_no_complaint();
 }
 
 #[test]

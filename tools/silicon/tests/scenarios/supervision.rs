@@ -1,10 +1,15 @@
 //! What watches over the processor itself: the watchdog, and the security of the clock.
 
+use crate::crashes::{after_reset, heat, heating};
+use crate::crashes_in_tasks::enter;
 use crate::rig::{Rig, experiment};
+use dr_core::control::{Cause, RunState};
 use host_sim::experiment::Experiment;
 use host_sim::instrument::{InstrumentPort, SettingsPort};
 use host_sim::run::start;
 use silicon::machine::MachineConfig;
+use silicon::plant::SensorPlant;
+use silicon::processor::nvic::FIRST_INTERRUPT;
 use silicon::soc::rcc::ResetSource;
 use silicon::time::{ms, us};
 use wire::{ResetCause, SettingsRequest};
@@ -69,4 +74,59 @@ fn a_debugger_that_holds_the_core_is_ended_by_the_watchdog() {
         assert_eq!(rig.instrument().identity().reset, ResetCause::Watchdog);
         assert_eq!(rig.machine().board().heaters(), 0);
     }
+}
+
+/// Control, receiver and transmitter go on, so that nothing else shows it.
+#[test]
+fn a_settings_server_or_an_idle_loop_that_never_ends_is_ended_by_the_watchdog() {
+    const IDLE: u16 = 0;
+    const SERVE_SETTINGS: u16 = FIRST_INTERRUPT + 36;
+    /// Where the image has nothing.
+    const ENDLESS_LOOP: u32 = 0x080f_f000;
+    let rig =
+        Rig::with_flash(|flash| flash[(ENDLESS_LOOP - 0x0800_0000) as usize..][..2].copy_from_slice(&[0xfe, 0xe7]));
+    rig.machine().board_mut().connect(SensorPlant::new(&heating().sensor_config().unwrap()).unwrap());
+    heat(&rig);
+    let heated = rig.machine().snapshot().unwrap();
+    for task in [SERVE_SETTINGS, IDLE] {
+        rig.machine().restore(&heated).unwrap();
+        let at = {
+            let mut machine = rig.machine();
+            assert!(enter(&mut machine, task, 0));
+            machine.core_mut().jump(ENDLESS_LOOP, 0).unwrap();
+            machine.now()
+        };
+        rig.machine().run_for(ms(7_000)).unwrap();
+        let resets = rig.machine().resets().to_vec();
+        assert_eq!(resets.len(), 1, "exception {task}");
+        assert_eq!(resets[0].source, ResetSource::Watchdog, "exception {task}");
+        assert!(resets[0].cycle - at < ms(5_700), "exception {task}: {}", resets[0].cycle - at);
+        assert_eq!(rig.machine().board().heaters(), 0);
+        assert_eq!(after_reset(&rig).1, Some(Cause::Watchdog));
+        rig.assert_no_complaint();
+    }
+}
+
+/// The board has to be heard again; without a transmitter nobody hears of a trip.
+#[test]
+fn a_stream_to_the_host_that_is_stuck_is_set_up_anew_or_the_watchdog_restarts_the_board() {
+    let rig = Rig::of(&heating());
+    let mut instrument = rig.instrument();
+    start(&heating(), &mut instrument).unwrap();
+    for _ in 0..3 {
+        Rig::observe(&mut instrument, 5, |sample| assert_eq!(sample.state, RunState::Running));
+        rig.machine().board_mut().stick_transmitter(false);
+        rig.machine().run_for(ms(120)).unwrap();
+    }
+    Rig::observe(&mut instrument, 5, |sample| assert_eq!(sample.state, RunState::Running));
+    assert_eq!(rig.machine().resets(), []);
+    rig.assert_no_complaint();
+    rig.machine().board_mut().stick_transmitter(true);
+    rig.machine().run_for(ms(2_000)).unwrap();
+    let sources: Vec<_> = rig.machine().resets().iter().map(|reset| reset.source).collect();
+    assert_eq!(sources, [ResetSource::Watchdog]);
+    assert_eq!(rig.machine().board().heaters(), 0);
+    let (identity, cause) = after_reset(&rig);
+    assert_eq!((identity.reset, cause), (ResetCause::Watchdog, Some(Cause::Watchdog)));
+    rig.assert_no_complaint();
 }
