@@ -30,7 +30,7 @@ mod tests {
         for n in 0..36_000 {
             let angle = (0.01 * f64::from(n)).to_radians();
             for speed in [1e-3, 0.7, 40.0] {
-                let (x, y) = ((speed * angle.cos()) as f32, (speed * angle.sin()) as f32);
+                let (x, y) = ((speed * libm::cos(angle)) as f32, (speed * libm::sin(angle)) as f32);
                 let off = (F32Ext::atan2(y, x) - libm::atan2f(y, x)).to_degrees();
                 worst = worst.max((off + 180.0).rem_euclid(360.0) - 180.0).max(180.0 - (off + 180.0).rem_euclid(360.0));
             }

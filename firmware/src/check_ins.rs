@@ -71,8 +71,10 @@ impl CheckIns {
 
     /// Whether all have checked in; if so, the record is cleared. To be asked once a beat.
     pub fn all_anew(&self) -> bool {
-        let are_patient_well = self.patient.iter().fold(true, |well, member| member.beat() && well);
-        let all = are_patient_well && self.tasks.iter().all(|member| member.load(Relaxed));
+        let [settings, idle] = &self.patient;
+        // Both count on, whatever the other one does.
+        let (is_settings_well, is_idle_well) = (settings.beat(), idle.beat());
+        let all = is_settings_well && is_idle_well && self.tasks.iter().all(|member| member.load(Relaxed));
         if all {
             self.tasks.iter().for_each(|member| member.store(false, Relaxed));
         }

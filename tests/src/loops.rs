@@ -100,7 +100,7 @@ impl Truth {
         for (own, x) in self.x.iter_mut().enumerate() {
             let u = if own == wind { power_w } else { 0.0 };
             for (x, rate) in x.iter_mut().zip(RATES_RAD_S) {
-                *x += (1.0 - (-rate * period_s).exp()) * (u - *x);
+                *x += (1.0 - libm::exp(-rate * period_s)) * (u - *x);
             }
         }
     }

@@ -31,14 +31,6 @@ pub struct ModelOptions {
     /// Edges of the logarithmic grid of rates (diffusive mesh), rad/s.
     #[arg(long, value_name = "FIRST:LAST", value_parser = edges)]
     mesh: Option<(f64, f64)>,
-    /// Number of rates of cross-heating pairs: input i and output i are of one element
-    /// (self-heating).
-    #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = rates)]
-    cross_order: Option<usize>,
-    /// Edges of the grid of cross-heating pairs, rad/s; by default number and edges are those of
-    /// the others.
-    #[arg(long, value_name = "FIRST:LAST", value_parser = edges)]
-    cross_mesh: Option<(f64, f64)>,
     /// Ridge on columns of unit norm; 0 for plain least squares.
     #[arg(long, value_name = "EPSILON", allow_negative_numbers = true)]
     ridge: Option<f64>,
@@ -62,7 +54,7 @@ pub struct ModelOptions {
     dead_time: Option<usize>,
     /// Number of free rates of an output, 1 to 8, for a small model; the fit starts from that on
     /// the grid.
-    #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = at_least_one, conflicts_with_all = ["cross_order", "cross_mesh", "tie"])]
+    #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = at_least_one, conflicts_with = "tie")]
     free_poles: Option<usize>,
     /// Reciprocal pairs: resistances from input i to output j are those from input j to output i.
     #[arg(long)]
@@ -168,16 +160,10 @@ impl ModelOptions {
             feed_through: self.feed_through,
             delay: self.dead_time,
         };
-        let cross = (self.cross_order.is_some() || self.cross_mesh.is_some()).then(|| Constraints {
-            order: self.cross_order,
-            edges_rad_s: self.cross_mesh,
-            ..Constraints::default()
-        });
         IdentifyOptions {
             structure: self.structure,
             constraints,
             signs,
-            cross,
             gas,
             reference: self.reference.clone(),
             free_poles: self.free_poles,

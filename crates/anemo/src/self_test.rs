@@ -153,7 +153,9 @@ fn ended<R>(instrument: Box<dyn InstrumentPort>, report: Result<Option<R>, impl 
 
 /// Measures the ratios of the currents, and writes them into a head.
 fn test_currents(arguments: &Arguments, mut experiment: Experiment) -> Result<(), Failure> {
-    crate::output::keep(&[experiment.head.source.path.as_path()], &[arguments.output.as_deref()])?;
+    let mut read = vec![experiment.head.source.path.as_path()];
+    read.extend(arguments.experiment.as_deref());
+    crate::output::keep(&read, &[arguments.output.as_deref()])?;
     crate::output::writable(arguments.output.as_deref(), "a head", "toml")?;
     experiment.sample_period_s = currents::PERIOD_S;
     let mut instrument = arguments.instrument.open(arguments.experiment.as_deref(), || Ok(experiment.sensor()?))?;

@@ -115,7 +115,7 @@ pub fn current_ratio(ticks: &CurrentRatioTicks, platinum: &Platinum) -> Result<C
     let (fewer, _) = regression(&without, &read)?;
     let error = |c: f64| 1e6 * c / (1.0 - c);
     let error_ppm = error(all);
-    Ok(CurrentRatioError { error_ppm, error_u_ppm: (1e6 * u).hypot(error(fewer) - error_ppm), ticks: count })
+    Ok(CurrentRatioError { error_ppm, error_u_ppm: libm::hypot(1e6 * u, error(fewer) - error_ppm), ticks: count })
 }
 
 /// κ = R/(dR/dT), K: by how much a reading moves when the current moves by its whole.
@@ -196,10 +196,11 @@ impl CurrentRatioTicks {
 
 #[cfg(test)]
 mod tests {
+    use diffusive::random::StandardNormal;
     use dr_core::signal::Prbs;
     use rand_chacha::ChaCha8Rng;
     use rand_chacha::rand_core::SeedableRng;
-    use rand_distr::{Distribution, StandardNormal};
+    use rand_distr::Distribution;
 
     use super::*;
 

@@ -169,7 +169,7 @@ fn heat_capacity(species: Species, temperature_k: f64) -> f64 {
     let mode = |wave_number: f64| {
         let x = KELVIN_PER_WAVE_NUMBER * wave_number / temperature_k;
         // e^−x instead of e^x: a high mode in a cold gas must vanish, not overflow.
-        let e = (-x).exp();
+        let e = libm::exp(-x);
         x * x * e / ((1.0 - e) * (1.0 - e))
     };
     let over_r = match species {
@@ -185,9 +185,9 @@ fn viscosity(species: Species, temperature_k: f64) -> f64 {
     match species {
         Species::CarbonDioxide => {
             const A: [f64; 5] = [0.235156, -0.491266, 5.211155e-2, 5.347906e-2, -1.537102e-2];
-            let l = (temperature_k / 251.196).ln();
+            let l = libm::log(temperature_k / 251.196);
             let exponent = A.iter().rev().fold(0.0, |sum, a| sum * l + a);
-            1.00697e-6 * temperature_k.sqrt() / exponent.exp()
+            1.00697e-6 * temperature_k.sqrt() / libm::exp(exponent)
         }
         Species::Air => sutherland(1.716e-5, 273.15, 110.4, temperature_k),
     }
@@ -213,14 +213,15 @@ fn vesovic(temperature_k: f64) -> f64 {
     const C: [f64; 5] = [2.387869e-2, 4.350794, -10.33404, 7.981590, -1.940558];
     let t = temperature_k / 100.0;
     let internal: f64 = C.iter().zip([t, 1.0, 1.0 / t, 1.0 / (t * t), 1.0 / (t * t * t)]).map(|(c, t)| c * t).sum();
-    let r_squared = 0.4 * (1.0 + (-183.5 / temperature_k).exp() * internal);
+    let r_squared = 0.4 * (1.0 + libm::exp(-183.5 / temperature_k) * internal);
     let inverse = 251.196 / temperature_k;
     let collision = B.iter().rev().fold(0.0, |sum, b| sum * inverse + b);
     0.475598e-3 * temperature_k.sqrt() * (1.0 + r_squared) / collision
 }
 
 fn sutherland(at_reference: f64, reference_k: f64, constant_k: f64, temperature_k: f64) -> f64 {
-    at_reference * (temperature_k / reference_k).powf(1.5) * (reference_k + constant_k) / (temperature_k + constant_k)
+    at_reference * libm::pow(temperature_k / reference_k, 1.5) * (reference_k + constant_k)
+        / (temperature_k + constant_k)
 }
 
 #[cfg(test)]

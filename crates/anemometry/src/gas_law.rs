@@ -29,7 +29,7 @@ pub fn gas_law(species: Species, least_c: f64, most_c: f64) -> Result<GasLawConf
         let expected = "more than the least temperature";
         return Err(GasError { name: "gas.temperature_c", value: most_c, expected });
     }
-    let node = |j: usize| ((2 * j + 1) as f64 * std::f64::consts::PI / (2 * TERMS) as f64).cos();
+    let node = |j: usize| libm::cos((2 * j + 1) as f64 * std::f64::consts::PI / (2 * TERMS) as f64);
     let at = |s: f64| 0.5 * (least_c + most_c + s * (most_c - least_c)) + ZERO_CELSIUS_K;
     // The ends lie beyond the outermost nodes, and have to be good as well.
     for s in [-1.0, 1.0] {

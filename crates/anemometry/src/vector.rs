@@ -23,7 +23,7 @@ pub fn unit(v: [f64; 3]) -> [f64; 3] {
 
 /// Angle between two vectors, °.
 pub fn angle_deg(a: [f64; 3], b: [f64; 3]) -> f64 {
-    length(cross(a, b)).atan2(dot(a, b)).to_degrees()
+    libm::atan2(length(cross(a, b)), dot(a, b)).to_degrees()
 }
 
 /// The part of a vector that is across an axis of any length.

@@ -36,6 +36,7 @@
 //! | [`predict`] | closed loops from a model: sliding surface, zeros, reaching, whole experiments |
 //! | [`design`] | levels, sample period and set-point of a loop from requirements |
 //! | [`optimise`] | the damped descent behind every search |
+//! | [`random`] | normal random numbers with the same bits on every system |
 //!
 //! Feature `testing`: small models ([`model::testing`](model)) and measured records
 //! (`shared_data`) for the tests of other crates.
@@ -48,5 +49,6 @@ pub mod identify;
 pub mod model;
 pub mod optimise;
 pub mod predict;
+pub mod random;
 #[cfg(any(test, feature = "testing"))]
 pub mod shared_data;

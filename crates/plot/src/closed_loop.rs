@@ -36,8 +36,9 @@ pub fn analysis_figure(pair: &str, analysis: &Analysis, changes: &[(String, Wind
     if end_s <= 0.0 {
         return figure;
     }
-    let times: Vec<f64> =
-        (0..=POINTS).map(|n| 2.0 * end_s * 10_f64.powf(-DECADES * (1.0 - f64::from(n) / f64::from(POINTS)))).collect();
+    let times: Vec<f64> = (0..=POINTS)
+        .map(|n| 2.0 * end_s * libm::pow(10.0, -DECADES * (1.0 - f64::from(n) / f64::from(POINTS))))
+        .collect();
     let steady_w_per_k = 1.0 / analysis.steady_gain_k_per_w;
     let lift = |time_s: &f64| (*time_s, 1.0 + analysis.lift.at(*time_s) / steady_w_per_k);
     let lift: Vec<(f64, f64)> = times.iter().map(lift).collect();

@@ -52,7 +52,7 @@ fn noisy_in(rows: u32, metadata: &[(&str, &str)], gas: bool) -> Recording {
             event: ["calm", "gust <&> \"böe\""][(n / 1000 % 2) as usize],
             state: if n < rows - rows / 10 { "running" } else { "tripped:open:sector3" },
             true_wind_m_s: Some([0; 3].map(|_| f64::from(random()))),
-            gas_temperature_c: gas.then(|| -53.0 + (0.01 * f64::from(n)).sin()),
+            gas_temperature_c: gas.then(|| -53.0 + libm::sin(0.01 * f64::from(n))),
             estimate: &[],
         };
         collector.push(&row).unwrap();
@@ -199,7 +199,7 @@ pub(crate) fn estimates(parts: &[&str], metadata: &str, flags: impl Fn(usize) ->
     );
     for n in 0..400 {
         let azimuth = (0.9 * n as f64).to_radians();
-        let (x, y) = (3.0 * azimuth.cos(), 3.0 * azimuth.sin());
+        let (x, y) = (3.0 * libm::cos(azimuth), 3.0 * libm::sin(azimuth));
         let measured = ",0.0011".repeat(2 * parts.len());
         text += &format!("{n},{x},{y},4,5,0.1,1.5,-53{measured},{},{x},{y},4\n", flags(n));
     }
@@ -378,7 +378,7 @@ fn sweep(winds: usize) -> Recording {
     for n in 0..10 * winds {
         let wind = n / 10;
         let (speed, azimuth) = (2.0 + 0.01 * wind as f64, (37.0 * wind as f64).to_radians());
-        let [x, y] = [speed * azimuth.cos(), speed * azimuth.sin()];
+        let [x, y] = [speed * libm::cos(azimuth), speed * libm::sin(azimuth)];
         text += &format!("{n},w{wind},{},{},0,{},0.1,1,0,{x},{y},0\n", 1.05 * x, 1.05 * y, 1.05 * speed);
     }
     read(&text)

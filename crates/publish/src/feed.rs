@@ -93,7 +93,7 @@ impl FeedWind {
     pub fn new(estimate: WindSample, mounting: &HeadMounting) -> Self {
         let earth_m_s = mounting.earth(estimate.wind_m_s.map(f64::from));
         let [east_m_s, north_m_s, _] = earth_m_s;
-        Self { from_deg: from_deg(earth_m_s), horizontal_m_s: east_m_s.hypot(north_m_s), estimate }
+        Self { from_deg: from_deg(earth_m_s), horizontal_m_s: libm::hypot(east_m_s, north_m_s), estimate }
     }
 
     /// Whether there is a wind vector: speed and direction mean something.

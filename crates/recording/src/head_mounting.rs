@@ -71,7 +71,7 @@ impl HeadMounting {
         let up = up.map(|of| of / length);
         let level = [1.0 - up[0] * up[0], -up[0] * up[1], -up[0] * up[2]];
         let length = dot(level, level).sqrt();
-        if length < LEAST_DEG.to_radians().sin() {
+        if length < libm::sin(LEAST_DEG.to_radians()) {
             return refuse(
                 UP,
                 format!(
@@ -119,14 +119,14 @@ impl HeadMounting {
 
     /// A vector of the head's frame as east, north, up.
     pub fn earth(&self, vector: [f64; 3]) -> [f64; 3] {
-        let (sin, cos) = self.heading_deg.to_radians().sin_cos();
+        let (sin, cos) = libm::sincos(self.heading_deg.to_radians());
         let (ahead, left) = (dot(vector, self.ahead), dot(vector, self.left));
         [ahead * sin - left * cos, ahead * cos + left * sin, dot(vector, self.up)]
     }
 
     /// North, in the head's frame.
     pub fn north(&self) -> [f64; 3] {
-        let (sin, cos) = self.heading_deg.to_radians().sin_cos();
+        let (sin, cos) = libm::sincos(self.heading_deg.to_radians());
         std::array::from_fn(|axis| cos * self.ahead[axis] + sin * self.left[axis])
     }
 
@@ -139,7 +139,7 @@ impl HeadMounting {
 /// Direction from which a wind towards (east, north, up) blows, degrees clockwise from north, at
 /// least 0 and below 360.
 pub fn from_deg([east, north, _]: [f64; 3]) -> f64 {
-    let from = (-east).atan2(-north).to_degrees().rem_euclid(360.0);
+    let from = libm::atan2(-east, -north).to_degrees().rem_euclid(360.0);
     // The remainder of a tiny negative number rounds to the divisor.
     if from >= 360.0 { 0.0 } else { from }
 }

@@ -16,7 +16,7 @@ pub fn short(value: f64, digits: u8) -> String {
     if size != 0.0 && !(1e-3..10_f64.powi(behind_first + 2)).contains(&size) {
         return format!("{value:.*e}", behind_first.max(0) as usize);
     }
-    let places = (behind_first - size.max(1e-3).log10().floor() as i32).clamp(0, 9) as usize;
+    let places = (behind_first - libm::log10(size.max(1e-3)).floor() as i32).clamp(0, 9) as usize;
     let text = format!("{value:.places$}");
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
@@ -26,10 +26,10 @@ pub fn estimate(value: f64, se: f64) -> String {
     if !(se > 0.0 && se.is_finite()) {
         return brief(value);
     }
-    let place = se.log10().floor() as i32 - 1;
+    let place = libm::log10(se).floor() as i32 - 1;
     // Small quantities keep a common power of ten, so that value and error can be compared.
     if value.abs().max(se) < 1e-3 {
-        let exponent = value.abs().max(se).log10().floor() as i32;
+        let exponent = libm::log10(value.abs().max(se)).floor() as i32;
         let (scale, digits) = (10_f64.powi(exponent), (exponent - place).clamp(0, 9) as usize);
         return format!("({:.digits$} ± {:.digits$})e{exponent}", value / scale, se / scale);
     }

@@ -1,7 +1,5 @@
 //! Tables of pages.
 
-use recording::text::columns;
-
 /// A table: its head, with `|` between the titles, and rows of as many cells.
 pub struct ResultTable {
     head: String,
@@ -19,11 +17,5 @@ impl ResultTable {
         let rule = "---|".repeat(self.head.split(" | ").count());
         let rows: String = self.rows.iter().map(|row| format!("| {} |\n", row.join(" | "))).collect();
         format!("| {} |\n|{rule}\n{rows}", self.head)
-    }
-
-    /// The table in columns.
-    pub fn text(&self) -> String {
-        let head = self.head.split(" | ").map(str::to_owned).collect();
-        columns(&[&[head], &self.rows[..]].concat(), &[])
     }
 }

@@ -74,9 +74,9 @@ fn across(normal: [f64; 3], angle_deg: f64) -> (f64, f64) {
     let along = if normal[0].abs() < ALONG_X { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
     let first = unit(vector::across(along, normal));
     let second = vector::cross(normal, first);
-    let (sine, cosine) = angle_deg.to_radians().sin_cos();
+    let (sine, cosine) = libm::sincos(angle_deg.to_radians());
     let [x, y, z]: [f64; 3] = std::array::from_fn(|k| cosine * first[k] + sine * second[k]);
-    (y.atan2(x).to_degrees(), z.clamp(-1.0, 1.0).asin().to_degrees())
+    (libm::atan2(y, x).to_degrees(), libm::asin(z.clamp(-1.0, 1.0)).to_degrees())
 }
 
 /// The entries of an experiment; `seed` is that of the experiment.
@@ -117,9 +117,9 @@ pub(super) fn entries(grid: &TickGrid, table: &SweepTable, seed: u64) -> Result<
     if still > 0 {
         entries.push(WindEntry { label: STILL.to_owned(), ..WindEntry::default() });
     }
-    let lowest = table.stem_cone_deg.to_radians().cos();
+    let lowest = libm::cos(table.stem_cone_deg.to_radians());
     for n in 0..table.winds {
-        let speed_m_s = table.least_m_s * (table.most_m_s / table.least_m_s).powf(share());
+        let speed_m_s = table.least_m_s * libm::pow(table.most_m_s / table.least_m_s, share());
         // A wind that comes from the stem goes to +z.
         let upwards = loop {
             if table.plane.is_some() {
@@ -138,10 +138,10 @@ pub(super) fn entries(grid: &TickGrid, table: &SweepTable, seed: u64) -> Result<
         let (azimuth_deg, elevation_deg) = match table.plane {
             Some(SweepPlane::Across(normal)) => across(normal, angle_deg),
             Some(SweepPlane::Named(NamedPlane::Upright)) => {
-                let (up, along_y) = angle_deg.to_radians().sin_cos();
-                (if along_y < 0.0 { 270.0 } else { 90.0 }, up.asin().to_degrees())
+                let (up, along_y) = libm::sincos(angle_deg.to_radians());
+                (if along_y < 0.0 { 270.0 } else { 90.0 }, libm::asin(up).to_degrees())
             }
-            _ => (angle_deg, upwards.asin().to_degrees()),
+            _ => (angle_deg, libm::asin(upwards).to_degrees()),
         };
         entries.push(WindEntry {
             start_s: grid.time_s(still + n * hold),
@@ -208,7 +208,7 @@ mod tests {
     fn winds_that_face_a_probe_come_from_its_side() {
         let sweep = "winds = 100\nleast_m_s = 0.5\nmost_m_s = 10.0\nhold_s = 0.1\nfacing_deg = 40.0";
         let experiment = with(&format!("{sweep}\nplane = \"level\"")).unwrap();
-        let cosine = 40_f64.to_radians().cos();
+        let cosine = libm::cos(40_f64.to_radians());
         assert!(experiment.wind.iter().all(|wind| -wind.mean_m_s()[0] >= wind.speed_m_s * (cosine - 1e-9)));
         assert!(experiment.wind.iter().any(|wind| -wind.mean_m_s()[0] < 0.8 * wind.speed_m_s));
         assert!(with(sweep).unwrap_err().contains("`sweep.facing_deg` is of winds in a plane"));
@@ -272,7 +272,7 @@ mod tests {
         for wind in with(sweep).unwrap().wind {
             let [x, y, _] = wind.mean_m_s();
             // From +x and +y it goes to -x and -y.
-            assert!(((-y).atan2(-x).to_degrees() - 45.0).abs() < 20.0 + 1e-9);
+            assert!((libm::atan2(-y, -x).to_degrees() - 45.0).abs() < 20.0 + 1e-9);
         }
     }
 }

@@ -79,10 +79,10 @@ impl WindRange {
         let AtRest { held, power_w: at_rest_w, .. } = AtRest::of(survey, elements, set_point_c);
         let held_c: Vec<Option<f64>> = held.iter().map(|held| held.then_some(set_point_c)).collect();
         let noise_w = noise_w(survey, elements, conditions, &held);
-        let step = (MOST_M_S / LEAST_M_S).ln() / (SPEEDS - 1) as f64;
+        let step = libm::log(MOST_M_S / LEAST_M_S) / (SPEEDS - 1) as f64;
         let mut winds: Vec<WindNeeds> = Vec::new();
         for k in 0..SPEEDS {
-            let needs = needs(survey, LEAST_M_S * (step * k as f64).exp(), &held_c);
+            let needs = needs(survey, LEAST_M_S * libm::exp(step * k as f64), &held_c);
             let (beyond, over) = (needs.extrapolated, over(&needs, &held, &high_w).is_some());
             winds.push(needs);
             if beyond || over {
@@ -118,7 +118,7 @@ impl WindRange {
 
     /// The surveyed wind that is nearest to a speed.
     pub fn near(&self, speed_m_s: f64) -> Option<&WindNeeds> {
-        let off = |needs: &&WindNeeds| (needs.speed_m_s / speed_m_s).ln().abs();
+        let off = |needs: &&WindNeeds| libm::log(needs.speed_m_s / speed_m_s).abs();
         self.winds.iter().min_by(|a, b| off(a).total_cmp(&off(b))).filter(|needs| off(needs) < 0.06)
     }
 }

@@ -78,7 +78,7 @@ fn plane(head: &Head) -> String {
                 let [nx, ny, _] = of.config.axis.map(f64::from);
                 [x + nx, y + ny]
             });
-            let middle_deg = short(middle[1].atan2(middle[0]).to_degrees(), 4);
+            let middle_deg = short(libm::atan2(middle[1], middle[0]).to_degrees(), 4);
             format!(
                 "plane = \"level\" # of the wires\nfacing_deg = 40.0 # of the middle of their normals\nfacing_azimuth_deg = {middle_deg}\n"
             )

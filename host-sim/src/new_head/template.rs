@@ -64,14 +64,14 @@ impl NewHeadKind {
             (Self::Sphere, _) => (0..sectors)
                 .map(|n| {
                     let z = 1.0 - (2 * n + 1) as f64 / sectors as f64;
-                    let (sine, cosine) = (PI * (3.0 - 5_f64.sqrt()) * n as f64).sin_cos();
+                    let (sine, cosine) = libm::sincos(PI * (3.0 - 5_f64.sqrt()) * n as f64);
                     let across = (1.0 - z * z).sqrt();
                     [across * cosine, across * sine, z]
                 })
                 .collect(),
             _ => (0..sectors)
                 .map(|n| {
-                    let (sine, cosine) = (TAU * n as f64 / sectors as f64).sin_cos();
+                    let (sine, cosine) = libm::sincos(TAU * n as f64 / sectors as f64);
                     // A sine of half a turn is not quite 0.
                     [cosine, sine, 0.0].map(|x| (1e9 * x).round() / 1e9)
                 })

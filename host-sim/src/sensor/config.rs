@@ -139,7 +139,7 @@ impl TemperatureSwing {
     /// How far it is from its mean, K.
     pub fn offset_k(&self, time_s: f64) -> f64 {
         let since_s = (time_s - self.start_s).max(0.0);
-        self.amplitude_k * (TAU * (since_s / self.period_s).fract()).sin()
+        self.amplitude_k * libm::sin(TAU * (since_s / self.period_s).fract())
     }
 }
 

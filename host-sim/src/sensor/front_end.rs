@@ -27,8 +27,9 @@ use dr_core::sensor::platinum::Platinum;
 
 use std::collections::BTreeMap;
 
+use diffusive::random::StandardNormal;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use rand_distr::Distribution;
 
 use anemometry::head::{NominalElement, PlatinumKind};
 

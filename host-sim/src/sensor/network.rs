@@ -401,7 +401,7 @@ mod tests {
             system[(i, n)] = (power[i] + fixed[i]) / network.capacity_j_k(i);
         }
         let duration_s = 0.01;
-        let exact = (system * duration_s).exp()
+        let exact = diffusive::predict::exponential::exponential(&(system * duration_s))
             * DVector::from_iterator(n + 1, (0..n).map(|i| network.temperature_k(i)).chain([1.0]));
         let substeps = ThermalNetwork::substeps(duration_s, network.stiffest_rate_per_s());
         for _ in 0..substeps {

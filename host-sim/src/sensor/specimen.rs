@@ -2,9 +2,10 @@
 
 use anemometry::head::body::{Body, BodyLink};
 use anemometry::vector::{cross, unit};
+use diffusive::random::StandardNormal;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use rand_distr::{Distribution, StandardNormal};
+use rand_distr::Distribution;
 
 /// Stream of the seed's generator; those before it are wind, resistors and noise.
 const STREAM: u64 = 3;
@@ -24,7 +25,7 @@ fn differ(body: &mut Body, rng: &mut ChaCha8Rng) {
     let Some(tolerances) = body.tolerances else { return };
     let mut normal = || -> f64 { StandardNormal.sample(rng) };
     // A factor above zero, however unlikely the draw.
-    let factor = |percent: f64, normal: &mut dyn FnMut() -> f64| (0.01 * percent * normal()).exp();
+    let factor = |percent: f64, normal: &mut dyn FnMut() -> f64| libm::exp(0.01 * percent * normal());
     for node in &mut body.nodes {
         node.capacity_j_k *= factor(tolerances.capacity_percent, &mut normal);
     }

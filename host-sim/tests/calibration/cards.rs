@@ -35,7 +35,7 @@ fn drawn() -> DrawnCard {
 /// depends on `n`.
 fn reading(speed_m_s: f64, degrees: f64, gains: [f64; DICE], noise: f64, n: usize) -> SteadyWind {
     let (gas, angle) = (air(), degrees.to_radians());
-    let wind_m_s = [speed_m_s * angle.cos(), speed_m_s * angle.sin(), 0.0];
+    let wind_m_s = [speed_m_s * libm::cos(angle), speed_m_s * libm::sin(angle), 0.0];
     let mut conductance_w_k = vec![0.0; 12 + 3 + 1 + 3];
     Boom::new(&gas, &shape()).unwrap().conductance_w_k(wind_m_s, &mut conductance_w_k);
     let quiescent_w_k = drawn().quiescent_w_k(gas.conductivity_w_m_k);
@@ -57,7 +57,7 @@ fn tunnel(count: usize, gains: [f64; DICE], noise: f64) -> Vec<SteadyWind> {
     (0..count)
         .map(|n| {
             let share = |by: f64| ((n + 1) as f64 * by).fract();
-            let speed_m_s = 0.5 * 20f64.powf(share(0.618_033_989));
+            let speed_m_s = 0.5 * libm::pow(20.0, share(0.618_033_989));
             reading(speed_m_s, 360.0 * share(0.414_213_562), gains, noise, n)
         })
         .collect()

@@ -36,10 +36,10 @@ fn agree(convection: &SoughtConvection) {
     let mut place = problem.drawn();
     // Between the least and the most of the rise, and a stem map that is none of nothing.
     for (k, of) in place.stream.iter_mut().enumerate().skip(2) {
-        *of += 0.1 * (1.0 + k as f64).sin();
+        *of += 0.1 * libm::sin(1.0 + k as f64);
     }
     for (k, c) in place.coefficients.iter_mut().enumerate() {
-        *c = (1.0 + k as f64).sin();
+        *c = libm::sin(1.0 + k as f64);
     }
     place.gains = vec![1.1, 0.9, 1.05, 0.95];
     let place = problem.moved(&place, &DVector::zeros(problem.unknowns(&place)));

@@ -56,7 +56,7 @@ fn a_surface_that_never_faced_the_wind_is_named() {
     let head = tunnel.head();
     // Away from the third sector, whose axis is (−1, 1, −1)/√3.
     let all: Vec<[f64; 3]> = directions(30).collect();
-    let facing = |d: &[f64; 3]| (d[0] - d[1] + d[2]) / 3.0_f64.sqrt() >= 60.0_f64.to_radians().cos();
+    let facing = |d: &[f64; 3]| (d[0] - d[1] + d[2]) / 3.0_f64.sqrt() >= libm::cos(60.0_f64.to_radians());
     let never: Vec<[f64; 3]> = all.iter().filter(|d| !facing(d)).copied().collect();
     let at = speeds(0.5, 14.0, 8);
     let (blind, seeing) = (tunnel.in_winds(&at, &never, 1e-3, 1), tunnel.in_winds(&at, &all, 1e-3, 1));
@@ -105,7 +105,7 @@ fn winds_in_a_plane_do_for_sectors_but_not_for_hemispheres() {
     let ring = |tilt: f64| -> Vec<[f64; 3]> {
         let place =
             |j: usize| (j as f64 * std::f64::consts::TAU / 16.0, if j.is_multiple_of(2) { tilt } else { -tilt });
-        (0..16).map(place).map(|(angle, up)| [angle.cos(), angle.sin(), up]).collect()
+        (0..16).map(place).map(|(angle, up)| [libm::cos(angle), libm::sin(angle), up]).collect()
     };
     for tunnel in [Tunnel::sectors(), Tunnel::hemispheres()] {
         let head = tunnel.head();

@@ -2,9 +2,10 @@
 
 use nalgebra::{Rotation3, Unit, Vector3};
 
+use diffusive::random::StandardNormal;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use rand_distr::{Distribution as _, StandardNormal};
+use rand_distr::Distribution as _;
 
 use crate::tunnel::{Tunnel, directions, speeds};
 use anemometry::calibrate::{ComparisonSummary, Scheme, SurfaceCalibration, calibrate, compare, cross_validate};

@@ -74,16 +74,16 @@ fn a_wake_becomes_a_map_and_winds_from_within_it_are_right() {
         }
         let axis = [0.0, 0.0, -1.0];
         let (along, edge) = (dot(unit(from), axis).clamp(-1.0, 1.0), 35_f64.to_radians());
-        let angle = along.acos();
+        let angle = libm::acos(along);
         if angle >= edge {
             return wind;
         }
         let near = 1.0 - angle / edge;
-        let turned = angle + 3_f64.to_radians() * (std::f64::consts::PI * angle / edge).sin();
+        let turned = angle + 3_f64.to_radians() * libm::sin(std::f64::consts::PI * angle / edge);
         let side: [f64; 3] = std::array::from_fn(|k| unit(from)[k] - along * axis[k]);
         let side = if length(side) > 0.0 { unit(side) } else { [0.0; 3] };
         let slow = speed * (1.0 - 0.15 * near);
-        std::array::from_fn(|k| -slow * (turned.cos() * axis[k] + turned.sin() * side[k]))
+        std::array::from_fn(|k| -slow * (libm::cos(turned) * axis[k] + libm::sin(turned) * side[k]))
     };
     let (head, errors) = judged(&stream);
     assert!(head.convection.stem.is_some(), "{:?}", head.convection);

@@ -1,11 +1,12 @@
 //! A wind tunnel whose head is known: the simulated convection, gains, a crooked mounting, noise.
 
+use diffusive::random::StandardNormal;
 use dr_core::wind::HeadForm;
 use dr_core::wind::sphere::{hemispheres, tetrahedral_sectors};
 use nalgebra::{Rotation3, Unit, Vector3};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use rand_distr::{Distribution as _, StandardNormal};
+use rand_distr::Distribution as _;
 
 use anemometry::calibrate::{DrawnSurface, DrawnSurfaces, LossLaw, SoughtConvection, SteadyWind, SurfaceReading};
 use anemometry::gas::{IdealGas, Species};
@@ -124,7 +125,7 @@ impl Tunnel {
 
 /// In geometric progression.
 pub fn speeds(least: f64, most: f64, count: usize) -> Vec<f64> {
-    (0..count).map(|j| least * (most / least).powf(j as f64 / (count - 1) as f64)).collect()
+    (0..count).map(|j| least * libm::pow(most / least, j as f64 / (count - 1) as f64)).collect()
 }
 
 /// Spread evenly over the sphere (Fibonacci lattice).
@@ -133,6 +134,6 @@ pub fn directions(count: usize) -> impl Iterator<Item = [f64; 3]> {
     (0..count).map(move |k| {
         let z = 1.0 - (2.0 * k as f64 + 1.0) / count as f64;
         let r = (1.0 - z * z).sqrt();
-        [r * (golden * k as f64).cos(), r * (golden * k as f64).sin(), z]
+        [r * libm::cos(golden * k as f64), r * libm::sin(golden * k as f64), z]
     })
 }

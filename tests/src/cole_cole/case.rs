@@ -8,10 +8,11 @@
 //!
 //! Bits last a whole number of rows, so one table of S serves all the shifts.
 
+use diffusive::random::StandardNormal;
 use dr_core::signal::Prbs;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
-use rand_distr::{Distribution as _, StandardNormal};
+use rand_distr::Distribution as _;
 use serde::Serialize;
 
 use super::exact::step_response;

@@ -29,8 +29,8 @@ pub fn symbol(rate_rad_s: f64) -> f64 {
 /// η(ξ) for any exponent 0 < α < 1 and time constant τ0 > 0, at ξ > 0.
 pub fn symbol_of(exponent: f64, time_constant_s: f64, rate_rad_s: f64) -> f64 {
     let angle = exponent * std::f64::consts::PI;
-    let power = (time_constant_s * rate_rad_s).powf(exponent);
-    angle.sin() * std::f64::consts::FRAC_1_PI / (power.recip() + 2.0 * angle.cos() + power)
+    let power = libm::pow(time_constant_s * rate_rad_s, exponent);
+    libm::sin(angle) * std::f64::consts::FRAC_1_PI / (power.recip() + 2.0 * libm::cos(angle) + power)
 }
 
 /// y(t) = 1 − erfcx(√t), t ≥ 0: the answer to a unit step at t = 0, for α = ½ and τ0 = 1 s.

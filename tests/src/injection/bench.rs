@@ -79,11 +79,13 @@ impl Bench<'_> {
         }
         (self.identity.reset, self.identity.starts) = (reset, self.past.starts);
         self.identity.crash.clone_from(&self.past.crash);
+        self.past = self.past.kept();
     }
 
     fn crash(&mut self, kind: CrashKind) {
         self.pins = Heaters::default();
         self.past.crash = Some(Crash { kind, file: end_of("somewhere.rs"), at: 1 });
+        self.past.requested = true;
         self.start_anew(ResetCause::Software);
     }
 }

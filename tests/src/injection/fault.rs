@@ -1,11 +1,12 @@
 //! What can go wrong: kinds, and faults of a kind as a seed draws them.
 
+use diffusive::random::StandardNormal;
 use dr_core::Command;
 use dr_core::control::{Drive, GuardConfig};
 use dr_core::sensor::{Level, Reading};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::Rng;
-use rand_distr::{Distribution, StandardNormal};
+use rand_distr::Distribution;
 use wire::{MAX_FRAME, Provocation, Setting, ToBoard, encode};
 
 /// Kinds of faults.
@@ -156,7 +157,7 @@ impl Fault {
         let size = match kind {
             Kind::TooHot => 1.42 + 0.13 * share(random),
             Kind::Drift => (0.02 + 0.08 * share(random)) * if random.next_u32() & 1 == 0 { 1.0 } else { -1.0 },
-            Kind::NoiseBurst => 0.001 * 300_f64.powf(share(random)),
+            Kind::NoiseBurst => 0.001 * libm::pow(300.0, share(random)),
             _ => share(random),
         };
         let ticks = match kind {

@@ -1,6 +1,7 @@
 //! What a measurement adds: Gaussian noise, white or coloured, and the steps of a converter.
 
-use rand_distr::{Distribution as _, StandardNormal};
+use diffusive::random::StandardNormal;
+use rand_distr::Distribution as _;
 
 use super::Random;
 

@@ -57,7 +57,7 @@ impl Gas {
     }
 
     fn swing(self, time_s: f64) -> f64 {
-        self.swing_k * (std::f64::consts::TAU * time_s / self.swing_period_s).sin()
+        self.swing_k * libm::sin(std::f64::consts::TAU * time_s / self.swing_period_s)
     }
 }
 
@@ -180,7 +180,7 @@ mod tests {
         // √(g/r), mL = √(g r), g = sides, r = rod.
         let (y0, ml) =
             ((SIDES_W_PER_K / ROD_RESISTANCE_K_PER_W).sqrt(), (SIDES_W_PER_K * ROD_RESISTANCE_K_PER_W).sqrt());
-        let fin = y0 * (END_W_PER_K + y0 * ml.tanh()) / (y0 + END_W_PER_K * ml.tanh());
+        let fin = y0 * (END_W_PER_K + y0 * libm::tanh(ml)) / (y0 + END_W_PER_K * libm::tanh(ml));
         for wind in [6e-4, 2.2e-3] {
             let gain = network(wind).steady_gain_k_per_w()[(0, 0)];
             // Thirty pieces for a continuum: losses of 3e-4 W/K sit half a piece, 11.7 K/W, too far

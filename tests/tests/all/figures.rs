@@ -84,7 +84,7 @@ fn effective_bits(outputs: &[f64], full_scale_w: f64) -> f64 {
     }
     let residual = |(i, y): (usize, &f64)| (y - mean_y - xy / xx * (i as f64 - mean_x)).powi(2);
     let rms_w = (outputs.iter().enumerate().map(residual).sum::<f64>() / n).sqrt();
-    (full_scale_w / (12.0_f64.sqrt() * rms_w)).log2()
+    libm::log2(full_scale_w / (12.0_f64.sqrt() * rms_w))
 }
 
 /// −3 dB frequency of a third-order sinc decimator of ratio R at rate f: 0.262 f/R.

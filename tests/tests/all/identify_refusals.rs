@@ -132,7 +132,7 @@ fn an_input_that_is_on_in_a_row_or_two_is_marked() {
     for (seed, noise_k) in [(1, 0.0001), (2, 0.05)] {
         let noise = anemo_tests::records::Noise::white(noise_k);
         let measured_c = noise.read(&vec![20.0; 1000], &mut anemo_tests::records::random(seed, 0));
-        let (mut rise_k, gain) = (0.0, 1.0 - f64::exp(-0.1));
+        let (mut rise_k, gain) = (0.0, 1.0 - libm::exp(-0.1));
         let row = |(n, measured_c): (usize, f64)| {
             let power_w = if (300..302).contains(&n) { 0.05 } else { 0.0 };
             let row = [n as f64 * 0.1, power_w, measured_c + rise_k];
@@ -170,12 +170,9 @@ fn whose_heat_is_whose_is_told() {
         (0..600).map(|n| of(n)[..columns].iter().map(f64::to_string).collect()).collect()
     };
     let table = Table::new(&text("time_s,p,q,x,y", &rows(5)));
-    let output =
-        table.desk.anemo(&["identify", "r.csv", "--input", "p,q", "--output", "y,x", "--cross-order", "2"], &[]);
+    let output = table.desk.anemo(&["identify", "r.csv", "--input", "p,q", "--output", "y,x", "--tie"], &[]);
     let summary = String::from_utf8(output.stdout).unwrap();
     assert!(summary.contains("own heat, by the order of the columns: `p` → `y`, `q` → `x`; every other"), "{summary}");
-    let single = ["--input", "p", "--output", "x", "--cross-order", "2"];
-    table.is_refused(&single, &["one input, `p`, and one output, `x`", "leave out --cross-order"]);
 }
 
 #[test]
@@ -255,7 +252,7 @@ fn columns_that_are_missing_or_double_are_named() {
 fn options_that_cannot_be_are_refused() {
     let table = Table::new(&csv(&sound(200)));
     table.is_refused(&["--order", "0"], &["--order"]);
-    for option in ["--order", "--cross-order", "--free-poles", "--dead-time"] {
+    for option in ["--order", "--free-poles", "--dead-time"] {
         table.is_refused(&[option, "-1"], &[option, "`-1` is no whole number"]);
     }
     table.is_refused(&["--mesh", "10:1"], &["10:1"]);

@@ -67,7 +67,7 @@ fn coverage(ridge: Option<f64>, told: impl Fn(Start) -> Option<InitialState>) ->
         // From the thesis' lower edge to 10 rad/s.
         let (first, _) = mesh::thesis_edges_rad_s(rows as f64 * sample_period_s, sample_period_s, 1);
         let rates_rad_s: Vec<f64> = (0..order).map(|k| mesh::rate_rad_s(first, 10.0, k, order)).collect();
-        let resistances_k_per_w: Vec<f64> = (0..order).map(|_| 3.0 * 10_f64.powf(fraction(draw))).collect();
+        let resistances_k_per_w: Vec<f64> = (0..order).map(|_| 3.0 * libm::pow(10.0, fraction(draw))).collect();
         let start = if seed % 2 == 0 { Start::Rest } else { Start::Anywhere };
         let record = Foster {
             poles: Poles::Given { rates_rad_s, resistances_k_per_w },

@@ -69,7 +69,7 @@ fn of_the_structure(seed: u64) -> (RecordTable, Constraints, Vec<f64>, f64) {
     let (rows, order, sample_period_s, gas_c) = (4000, 5, 0.1, 20.0);
     let edges_rad_s = (0.02, 1.0);
     let rates: Vec<f64> = (0..order).map(|k| mesh::rate_rad_s(edges_rad_s.0, edges_rad_s.1, k, order)).collect();
-    let resistances: Vec<f64> = (0..order).map(|_| 20.0 * 3_f64.powf(fraction(draw))).collect();
+    let resistances: Vec<f64> = (0..order).map(|_| 20.0 * libm::pow(3.0, fraction(draw))).collect();
     let conductance = [0.0, 5e-4 * (1.0 + fraction(draw)), 1e-3 * (1.0 + fraction(draw))];
     let power = Excitation::Prbs { rows_per_bit: 3 }.draw(rows, 0.01, 0.07, draw);
     let class = runs(rows, 40, 120, draw, |draw| uniform(0, 2, draw));

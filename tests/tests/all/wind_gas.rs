@@ -85,7 +85,7 @@ fn the_rows_behind_a_record_in_a_gas_that_swings_are_predicted_from_where_it_end
         println!("seed {seed}, going on: {:.4} of the noise", rmse / NOISE_K);
         // A quarter of an hour without a look at the outputs: what an hour of one sine leaves open
         // of slow rates is some 10 mK then, a thousandth of the swing.
-        assert!(rmse < (1.1 * NOISE_K).hypot(0.01), "{rmse}");
+        assert!(rmse < libm::hypot(1.1 * NOISE_K, 0.01), "{rmse}");
         last = Some((model, second));
     }
     let (model, second) = last.unwrap();

@@ -163,8 +163,8 @@ fn write_tables(folder: &Path) {
         let noise = 0.001 * (bit(n, 1) as f64 - 0.5);
         writeln!(halves[n / 6000], "{:.1},{power},{:.5}", 0.1 * n as f64, 20.0 + 50.0 * slow + 20.0 * fast + noise)
             .unwrap();
-        slow += (1.0 - (-0.1_f64 / 40.0).exp()) * (power - slow);
-        fast += (1.0 - (-0.1_f64 / 3.0).exp()) * (power - fast);
+        slow += (1.0 - libm::exp(-0.1_f64 / 40.0)) * (power - slow);
+        fast += (1.0 - libm::exp(-0.1_f64 / 3.0)) * (power - fast);
     }
     std::fs::write(folder.join("heater.csv"), &halves[0]).unwrap();
     std::fs::write(folder.join("heater-second-half.csv"), &halves[1]).unwrap();
@@ -177,7 +177,7 @@ fn write_tables(folder: &Path) {
         writeln!(text, "{:.1},{power},{:.6},{wind}", 0.1 * n as f64, 18.0 + above_k + 0.001 * (bit(n, 1) as f64 - 0.5))
             .unwrap();
         let rate: f64 = (0.01 + more_w_k) / 0.2;
-        above_k += (1.0 - (-0.1 * rate).exp()) * (power / (0.01 + more_w_k) - above_k);
+        above_k += (1.0 - libm::exp(-0.1 * rate)) * (power / (0.01 + more_w_k) - above_k);
     }
     std::fs::write(folder.join("three-winds.csv"), text).unwrap();
 }

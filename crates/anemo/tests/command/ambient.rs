@@ -23,14 +23,14 @@ fn record(folder: &Path, name: &str, rows: impl Fn(usize) -> bool) {
         if row >= 100 && row % 15 == 0 {
             power_w = if random() < 0.5 { 0.4 } else { 0.05 };
         }
-        let room_k = 1.2 * (time_s / 900.0).sin() + 0.6 * (time_s / 2700.0).sin();
+        let room_k = 1.2 * libm::sin(time_s / 900.0) + 0.6 * libm::sin(time_s / 2700.0);
         let noise_k = 0.01 * ((0..12).map(|_| random()).sum::<f64>() - 6.0);
         if rows(row) {
             let temperature_c = 23.0 + rise_k + followed_k + noise_k;
             let _ = writeln!(text, "{time_s},{power_w},{:.4},{temperature_c:.4}", 20.0 + room_k);
         }
-        rise_k += (25.0 * power_w - rise_k) * -(-PERIOD_S / 40.0).exp_m1();
-        followed_k += (room_k - followed_k) * -(-PERIOD_S / 300.0).exp_m1();
+        rise_k += (25.0 * power_w - rise_k) * -libm::expm1(-PERIOD_S / 40.0);
+        followed_k += (room_k - followed_k) * -libm::expm1(-PERIOD_S / 300.0);
     }
     std::fs::write(folder.join(name), text).unwrap();
 }

@@ -28,8 +28,8 @@ fn refused(folder: &Path, line: &str, code: i32) -> String {
 
 /// The n-th wind of the plane of x and y, after still gas; `seed` turns all of them.
 fn wind(n: usize, seed: f64) -> [f64; 2] {
-    let speed_m_s = if n == 0 { 0.0 } else { 0.5 * 16_f64.powf((0.618 * n as f64 + seed).fract()) };
-    let (sine, cosine) = (2.4 * n as f64 + seed).sin_cos();
+    let speed_m_s = if n == 0 { 0.0 } else { 0.5 * libm::pow(16.0, (0.618 * n as f64 + seed).fract()) };
+    let (sine, cosine) = libm::sincos(2.4 * n as f64 + seed);
     [speed_m_s * cosine, speed_m_s * sine]
 }
 
@@ -40,16 +40,16 @@ fn write(folder: &Path, name: &str, winds: usize, seed: f64) {
     let mut junctions = "time_s,event,temperature_c_a,temperature_c_b,temperature_c_c\n".to_owned();
     for row in 0..winds * ROWS {
         let [x, y] = wind(row / ROWS, seed);
-        let (speed, noise) = (x.hypot(y), 1e-3 * ((7919 * row % 1000) as f64 / 500.0 - 1.0));
+        let (speed, noise) = (libm::hypot(x, y), 1e-3 * ((7919 * row % 1000) as f64 / 500.0 - 1.0));
         let start = format!("{row},wind {},{x},{y},0", row / ROWS);
         let (seen_x, seen_y) = (x.abs() * (1.02 + noise), y.abs() * (1.02 - noise));
-        writeln!(needles, "{start},{seen_x},{seen_y},0,{},{},0.2", seen_x.hypot(seen_y), 2e-3 * speed).unwrap();
+        writeln!(needles, "{start},{seen_x},{seen_y},0,{},{},0.2", libm::hypot(seen_x, seen_y), 2e-3 * speed).unwrap();
         // Faster where it comes from x.
         let seen = speed * (1.0 - 0.05 * x / speed.max(1e-9)) * (1.0 + noise);
         writeln!(film, "{start},0,0,0,{seen},{},180", 5e-3 * speed).unwrap();
         let warm = |turn: f64| {
-            let angle = y.atan2(x) - turn.to_radians();
-            20.0 + if speed > 0.0 { 8.0 * angle.cos() } else { 0.0 } + 0.05 * (noise / 1e-3)
+            let angle = libm::atan2(y, x) - turn.to_radians();
+            20.0 + if speed > 0.0 { 8.0 * libm::cos(angle) } else { 0.0 } + 0.05 * (noise / 1e-3)
         };
         writeln!(junctions, "{row},wind {},{},{},{}", row / ROWS, warm(0.0), warm(120.0), warm(240.0)).unwrap();
     }

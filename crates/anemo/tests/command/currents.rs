@@ -60,4 +60,9 @@ fn too_short_a_test_says_so_and_writes_no_head() {
     assert_eq!(output.status.code(), Some(1), "{output:?}");
     assert!(stderr.contains("the ratio of the currents of sector1 is not known"), "{stderr}");
     assert!(!folder.join("head.toml").exists());
+
+    let over = ["self-test", "off.toml", "--on", "sim", "--currents", "-o", "off.toml"];
+    let output = anemo(folder, &over);
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    assert!(String::from_utf8_lossy(&output.stderr).contains("off.toml: is read by this command"), "{output:?}");
 }

@@ -6,7 +6,7 @@ use super::process::{anemo, stdout};
 
 /// One pair of ten poles, 0.05 … 50 rad/s, falling from 30 K/W by half each.
 fn model(folder: &Path) {
-    let mesh: Vec<f64> = (0..10).map(|k| 0.05 * 1000_f64.powf(f64::from(k) / 9.0)).collect();
+    let mesh: Vec<f64> = (0..10).map(|k| 0.05 * libm::pow(1000.0, f64::from(k) / 9.0)).collect();
     let r: Vec<f64> = (0..10).map(|k| 30.0 * 0.5_f64.powi(k)).collect();
     let class = serde_json::json!({
         "r_k_per_w": r, "se_k_per_w": vec![0.1; 10], "steady_gain_k_per_w": r.iter().sum::<f64>(),

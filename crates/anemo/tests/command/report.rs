@@ -16,7 +16,7 @@ fn record(folder: &Path) {
     for row in 0..400 {
         let time_s = f64::from(row) * 0.05;
         let noise_k = f64::from(row * 7919 % 101) * 1e-3;
-        let rise_k = if row < 100 { 0.0 } else { 5.0 * (1.0 - ((5.0 - time_s) / 10.0).exp()) };
+        let rise_k = if row < 100 { 0.0 } else { 5.0 * (1.0 - libm::exp((5.0 - time_s) / 10.0)) };
         let _ = writeln!(text, "{time_s:.2},{},{:.4}", u8::from(row >= 100), 20.0 + rise_k + noise_k);
     }
     std::fs::write(folder.join("step.csv"), text).unwrap();

@@ -382,11 +382,11 @@ mod tests {
         let wind = |n: i32| {
             let share = |by: f64| (f64::from(n + 1) * by).fract();
             let (speed, angle) =
-                (0.5 * 20_f64.powf(share(0.618)), 2.0 * within_deg.to_radians() * (share(0.755) - 0.5));
-            let wind_m_s = [-speed * angle.cos(), -speed * angle.sin(), 0.0];
+                (0.5 * libm::pow(20.0, share(0.618)), 2.0 * within_deg.to_radians() * (share(0.755) - 0.5));
+            let wind_m_s = [-speed * libm::cos(angle), -speed * libm::sin(angle), 0.0];
             let surfaces = built.map(|normal| {
                 let (along, turned) = (dot(wind_m_s, normal), dot(wind_m_s, [-normal[1], normal[0], 0.0]));
-                let power_w = 20.0 * 2e-4 * along.hypot(yaw_factor * turned).powf(0.45);
+                let power_w = 20.0 * 2e-4 * libm::pow(libm::hypot(along, yaw_factor * turned), 0.45);
                 SurfaceReading {
                     power_w,
                     overheat_k: 20.0,

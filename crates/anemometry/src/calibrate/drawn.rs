@@ -266,7 +266,7 @@ fn cells(
     for k in 0..POINTS {
         // Points of equal area on a spiral.
         let z = 1.0 - (2 * k + 1) as f64 / POINTS as f64;
-        let (sine, cosine) = (golden * k as f64).sin_cos();
+        let (sine, cosine) = libm::sincos(golden * k as f64);
         let across = (1.0 - z * z).sqrt();
         let point = [across * cosine, across * sine, z];
         let cosines = normals.iter().map(|normal| dot(*normal, point)).enumerate();
@@ -294,7 +294,7 @@ fn cells(
 fn parts_of_cylinder(normals: &[[f64; 3]], diameter_m: f64, length_m: f64) -> Vec<SurfaceConfig> {
     let along = plane_of(normals).unwrap_or_else(|| unit(across(any_across(normals[0]), normals[0])));
     let other = cross(along, normals[0]);
-    let angle = |normal: [f64; 3]| dot(normal, other).atan2(dot(normal, normals[0])).rem_euclid(2.0 * PI);
+    let angle = |normal: [f64; 3]| libm::atan2(dot(normal, other), dot(normal, normals[0])).rem_euclid(2.0 * PI);
     let half_gap = |from: f64, way: f64| {
         let gaps = normals.iter().map(|other| (way * (angle(*other) - from)).rem_euclid(2.0 * PI));
         0.5 * gaps.filter(|gap| *gap > 1e-9).fold(2.0 * PI, f64::min)
@@ -302,7 +302,8 @@ fn parts_of_cylinder(normals: &[[f64; 3]], diameter_m: f64, length_m: f64) -> Ve
     let part = |normal: &[f64; 3]| {
         let (ahead, behind) = (half_gap(angle(*normal), 1.0), half_gap(angle(*normal), -1.0));
         // Means of cos mφ over what is symmetric about the normal.
-        let mean = |m: usize| ((m as f64 * ahead).sin() + (m as f64 * behind).sin()) / (m as f64 * (ahead + behind));
+        let mean =
+            |m: usize| (libm::sin(m as f64 * ahead) + libm::sin(m as f64 * behind)) / (m as f64 * (ahead + behind));
         SurfaceConfig {
             axis: narrow(*normal),
             corner: narrow(along),
@@ -355,7 +356,7 @@ mod tests {
         let x = [1.0, 0.0, 0.0];
         let ring = |count: usize| -> Vec<[f64; 3]> {
             let angle = |i: usize| 2.0 * PI * i as f64 / count as f64;
-            (0..count).map(|i| [angle(i).cos(), angle(i).sin(), 0.0]).collect()
+            (0..count).map(|i| [libm::cos(angle(i)), libm::sin(angle(i)), 0.0]).collect()
         };
         let cube: Vec<[f64; 3]> = (0..6)
             .map(|i| std::array::from_fn(|k| if k == i / 2 { 1.0 - 2.0 * (i % 2) as f64 } else { 0.0 }))

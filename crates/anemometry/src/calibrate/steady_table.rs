@@ -227,7 +227,7 @@ impl SteadyTable {
         }
         if self.table.has(ANGLE) {
             let from = self.table.finite(ANGLE)?.iter().map(|degrees| degrees.to_radians());
-            let wind = |(speed, from): (&f64, f64)| [-speed * from.cos(), -speed * from.sin(), 0.0];
+            let wind = |(speed, from): (&f64, f64)| [-speed * libm::cos(from), -speed * libm::sin(from), 0.0];
             return Ok(speed_m_s.iter().zip(from).map(wind).collect());
         }
         let [only] = *surfaces else {

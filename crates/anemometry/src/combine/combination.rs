@@ -194,7 +194,7 @@ impl Combination {
     pub fn variances(&self, towards: [f64; 3]) -> Vec<[f64; 2]> {
         let (mut sums, mut weights) = (vec![[0.0; 2]; self.components()], 0.0);
         for of in &self.left {
-            let weight = (CONCENTRATION * (dot(towards, of.towards) - 1.0)).exp();
+            let weight = libm::exp(CONCENTRATION * (dot(towards, of.towards) - 1.0));
             weights += weight;
             for (sum, (share, scatter)) in sums.iter_mut().zip(of.shares.iter().zip(&of.scatter)) {
                 *sum = [sum[0] + weight * share * share, sum[1] + weight * scatter];

@@ -275,7 +275,7 @@ fn fitted(read: &[ReadComponent], at: &SearchedDirection) -> (f64, f64) {
     let cost = read.iter().map(|of| {
         let scale = of.kind.scale(speed_m_s);
         let variance = variance(of) + of.variance / (scale * scale);
-        (of.value / scale - at.answers[of.place]).powi(2) / variance + variance.ln()
+        (of.value / scale - at.answers[of.place]).powi(2) / variance + libm::log(variance)
     });
     (speed_m_s, cost.sum())
 }
@@ -297,7 +297,7 @@ mod tests {
     fn cards(wind_m_s: [f64; 3]) -> Vec<InstrumentReading> {
         let card = |n: i32| {
             let angle = (90.0 + 120.0 * f64::from(n)).to_radians();
-            let normal = [0.0, angle.cos(), angle.sin()];
+            let normal = [0.0, libm::cos(angle), libm::sin(angle)];
             let facing = -dot(wind_m_s, normal) / length(wind_m_s);
             let share = 1.0 + 0.5 * facing + 0.1 * facing * facing;
             reading(across(wind_m_s, normal).map(|x| x * share))
@@ -309,7 +309,7 @@ mod tests {
     fn boards(wind_m_s: [f64; 3]) -> Vec<InstrumentReading> {
         let board = |n: i32| {
             let angle = (60.0 * f64::from(n)).to_radians();
-            let facing = -dot(wind_m_s, [0.0, angle.cos(), angle.sin()]);
+            let facing = -dot(wind_m_s, [0.0, libm::cos(angle), libm::sin(angle)]);
             let speed_m_s = 0.8 * length(wind_m_s) + 0.5 * facing;
             InstrumentReading::new([speed_m_s, 0.0, 0.0], 0.005 * speed_m_s, 0.0, InstrumentKind::Speed)
         };
@@ -319,14 +319,14 @@ mod tests {
     /// Two needles that see the wind mirrored into a quadrant, and a vane that knows it to 10°.
     fn needles(wind_m_s: [f64; 3]) -> Vec<InstrumentReading> {
         let [x, y, _] = unit(wind_m_s);
-        let turned = (y.atan2(x) + 0.17 * (4.0 * y.atan2(x)).sin() + 1.0).sin_cos();
+        let turned = libm::sincos(libm::atan2(y, x) + 0.17 * libm::sin(4.0 * libm::atan2(y, x)) + 1.0);
         let vane = InstrumentReading::new([turned.1, turned.0, 0.0], 0.0, 0.17, InstrumentKind::Direction);
         vec![reading(wind_m_s.map(f64::abs)), vane]
     }
 
     fn known(rig: Rig, space: WindSpace, count: usize) -> Vec<KnownWind> {
         let wind = |(n, towards): (usize, [f64; 3])| {
-            let speed_m_s = 0.5 * 20_f64.powf((0.618 * n as f64).fract());
+            let speed_m_s = 0.5 * libm::pow(20.0, (0.618 * n as f64).fract());
             let wind_m_s = towards.map(|x| speed_m_s * x);
             KnownWind::steady(wind_m_s, rig(wind_m_s).into_iter().map(Some).collect())
         };
@@ -426,7 +426,7 @@ mod tests {
     fn many_speeds_in_few_directions_do_not_pretend_to_know_what_is_between() {
         let boom = |wind_m_s: [f64; 3]| {
             let off_deg = angle_deg(wind_m_s, [0.707, 0.707, 0.0]);
-            vec![reading(wind_m_s.map(|x| x * (1.0 - 0.4 * (-(off_deg / 15.0).powi(2)).exp())))]
+            vec![reading(wind_m_s.map(|x| x * (1.0 - 0.4 * libm::exp(-(off_deg / 15.0).powi(2)))))]
         };
         let space = WindSpace::Across([0.0, 0.0, 1.0]);
         let speeds = [1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0];

@@ -145,7 +145,7 @@ impl Vane {
         // Twice the mean of T e^{iφ}: the first harmonic round the core, K.
         let harmonic = |row: usize| {
             columns.iter().enumerate().fold([0.0; 2], |[x, y], (k, column)| {
-                let (sine, cosine) = (2.0 * PI * k as f64 / count).sin_cos();
+                let (sine, cosine) = libm::sincos(2.0 * PI * k as f64 / count);
                 [x + 2.0 / count * cosine * column[row], y + 2.0 / count * sine * column[row]]
             })
         };
@@ -165,7 +165,7 @@ impl Vane {
 fn noise_of(means: &[Option<[f64; 2]>]) -> f64 {
     let steps = means.windows(2).filter_map(|pair| {
         let (a, b) = (pair[0]?, pair[1]?);
-        Some((b[0] - a[0]).hypot(b[1] - a[1]))
+        Some(libm::hypot(b[0] - a[0], b[1] - a[1]))
     });
     let mut steps: Vec<f64> = steps.collect();
     steps.sort_by(f64::total_cmp);
@@ -174,7 +174,7 @@ fn noise_of(means: &[Option<[f64; 2]>]) -> f64 {
 
 /// In the frame of the vane: x from the core to its first junction, y a quarter of a turn on.
 fn direction([x, y]: [f64; 2], noise_k: f64) -> Option<InstrumentReading> {
-    let size_k = x.hypot(y);
+    let size_k = libm::hypot(x, y);
     let towards = [x / size_k, y / size_k, 0.0];
     (size_k > LEAST_NOISES * noise_k)
         .then(|| InstrumentReading::new(towards, 0.0, noise_k / size_k, InstrumentKind::Direction))

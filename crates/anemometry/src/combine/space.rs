@@ -73,7 +73,7 @@ impl WindSpace {
             Self::Everywhere => spherical(towards, degree),
             Self::Across(normal) => {
                 let [x, y] = axes(normal).map(|axis| dot(towards, axis));
-                let turns = (1..=degree).map(|m| (m as f64 * y.atan2(x)).sin_cos());
+                let turns = (1..=degree).map(|m| libm::sincos(m as f64 * libm::atan2(y, x)));
                 std::iter::once(1.0).chain(turns.flat_map(|(sine, cosine)| [SQRT_2 * cosine, SQRT_2 * sine])).collect()
             }
         }
@@ -92,12 +92,12 @@ impl WindSpace {
                 Self::Everywhere => {
                     // Fibonacci's lattice.
                     let z = 1.0 - 2.0 * share;
-                    let (sine, cosine) = (PI * (1.0 + 5_f64.sqrt()) * (n as f64 + 0.5)).sin_cos();
+                    let (sine, cosine) = libm::sincos(PI * (1.0 + 5_f64.sqrt()) * (n as f64 + 0.5));
                     let across = (1.0 - z * z).sqrt();
                     [across * cosine, across * sine, z]
                 }
                 Self::Across(normal) => {
-                    let ([a, b], (sine, cosine)) = (axes(normal), (2.0 * PI * share).sin_cos());
+                    let ([a, b], (sine, cosine)) = (axes(normal), libm::sincos(2.0 * PI * share));
                     std::array::from_fn(|k| cosine * a[k] + sine * b[k])
                 }
             }

@@ -138,7 +138,7 @@ fn entries(chunk: &[RecordingColumn], mounting: HeadMounting) -> Vec<(SeriesEntr
     let entry = |row: usize| {
         let time_s = number(time, row);
         let own = vector.map(|of| number(of, row));
-        let (sin, cos) = number(from, row).to_radians().sin_cos();
+        let (sin, cos) = libm::sincos(number(from, row).to_radians());
         let towards = [-sin, -cos, 0.0].map(|of| of * number(speed, row));
         let length_m_s = own.iter().map(|of| of * of).sum::<f64>().sqrt();
         let bits = number(flags, row);

@@ -81,9 +81,10 @@ pub fn fluxes(wind_m_s: &[[f64; 3]], gas_c: &[f64], interval_s: f64, options: &E
     let count = wind_m_s.len() as f64;
     let mean = |of: &dyn Fn(&[f64; 3]) -> f64| wind_m_s.iter().map(of).sum::<f64>() / count;
     let [u, v, w] = [mean(&|of| of[0]), mean(&|of| of[1]), mean(&|of| of[2])];
-    let horizontal = u.hypot(v);
-    let turned: Vec<[f64; 3]> = wind_m_s.iter().map(|of| turn(*of, v.atan2(u), w.atan2(horizontal))).collect();
-    let speed_m_s = horizontal.hypot(w);
+    let horizontal = libm::hypot(u, v);
+    let turned: Vec<[f64; 3]> =
+        wind_m_s.iter().map(|of| turn(*of, libm::atan2(v, u), libm::atan2(w, horizontal))).collect();
+    let speed_m_s = libm::hypot(horizontal, w);
     let along: Vec<f64> = turned.iter().map(|of| of[0] - speed_m_s).collect();
     let across: Vec<f64> = turned.iter().map(|of| of[2]).collect();
     if across.iter().all(|w| w.abs() < 1e-9) {
@@ -134,14 +135,14 @@ pub fn fluxes(wind_m_s: &[[f64; 3]], gas_c: &[f64], interval_s: f64, options: &E
     }
     fluxes.obukhov_length_m = fluxes.friction_velocity_m_s.map(|of| {
         let value = -of.value.powi(3) * (mean_c + KELVIN) / (KARMAN * options.gravity_m_s2 * heat.value);
-        Sampled { value, u: value.abs() * (3.0 * of.u / of.value).hypot(heat.u / heat.value) }
+        Sampled { value, u: value.abs() * libm::hypot(3.0 * of.u / of.value, heat.u / heat.value) }
     });
     fluxes
 }
 
 /// A vector in the frame of the mean wind.
 fn turn([x, y, z]: [f64; 3], eta: f64, zeta: f64) -> [f64; 3] {
-    let ((sin, cos), (rise, level)) = (eta.sin_cos(), zeta.sin_cos());
+    let ((sin, cos), (rise, level)) = (libm::sincos(eta), libm::sincos(zeta));
     let ahead = x * cos + y * sin;
     [ahead * level + z * rise, y * cos - x * sin, z * level - ahead * rise]
 }
@@ -164,10 +165,10 @@ impl TurbulentFlux {
     /// ∫ C/flux dn from 0 to n, not normalised.
     fn integral(self, n: f64) -> f64 {
         match self {
-            Self::Momentum => 14.0 / (9.6 * 1.4) * (1.0 - (1.0 + 9.6 * n).powf(-1.4)),
+            Self::Momentum => 14.0 / (9.6 * 1.4) * (1.0 - libm::pow(1.0 + 9.6 * n, -1.4)),
             Self::Heat => {
-                let low = |n: f64| 11.0 / (13.3 * 0.75) * (1.0 - (1.0 + 13.3 * n).powf(-0.75));
-                let high = |n: f64| 4.4 / (3.8 * 1.4) * (4.8_f64.powf(-1.4) - (1.0 + 3.8 * n).powf(-1.4));
+                let low = |n: f64| 11.0 / (13.3 * 0.75) * (1.0 - libm::pow(1.0 + 13.3 * n, -0.75));
+                let high = |n: f64| 4.4 / (3.8 * 1.4) * (libm::pow(4.8, -1.4) - libm::pow(1.0 + 3.8 * n, -1.4));
                 if n <= 1.0 { low(n) } else { low(1.0) + high(n) }
             }
         }
@@ -226,8 +227,9 @@ mod tests {
         let (azimuth, slope) = (50.0_f64.to_radians(), 3.0_f64.to_radians());
         let wind = u.iter().zip(&w).map(|(u, w)| {
             let (ahead, up) = (6.0 + 0.75 * u, 0.4 * w);
-            let (level, rise) = (ahead * slope.cos() - up * slope.sin(), ahead * slope.sin() + up * slope.cos());
-            [level * azimuth.cos(), level * azimuth.sin(), rise]
+            let (level, rise) =
+                (ahead * libm::cos(slope) - up * libm::sin(slope), ahead * libm::sin(slope) + up * libm::cos(slope));
+            [level * libm::cos(azimuth), level * libm::sin(azimuth), rise]
         });
         // 0.4 m/s · 0.5 K · 0.25.
         let gas = w.iter().zip(&other).map(|(w, other)| 20.0 + 0.5 * (0.25 * w + 0.968 * other));
@@ -294,9 +296,9 @@ mod cospectrum_tests {
     #[test]
     fn closed_forms_are_the_integrals_of_the_cospectra() {
         let density = |flux, n: f64| match flux {
-            TurbulentFlux::Momentum => 14.0 / (1.0 + 9.6 * n).powf(2.4),
-            TurbulentFlux::Heat if n <= 1.0 => 11.0 / (1.0 + 13.3 * n).powf(1.75),
-            TurbulentFlux::Heat => 4.4 / (1.0 + 3.8 * n).powf(2.4),
+            TurbulentFlux::Momentum => 14.0 / libm::pow(1.0 + 9.6 * n, 2.4),
+            TurbulentFlux::Heat if n <= 1.0 => 11.0 / libm::pow(1.0 + 13.3 * n, 1.75),
+            TurbulentFlux::Heat => 4.4 / libm::pow(1.0 + 3.8 * n, 2.4),
         };
         for flux in [TurbulentFlux::Momentum, TurbulentFlux::Heat] {
             for to in [0.3, 1.0, 2.5] {
@@ -320,15 +322,16 @@ mod cospectrum_tests {
 #[cfg(test)]
 pub(super) mod sampling_tests {
     use super::*;
+    use diffusive::random::StandardNormal;
     use rand_chacha::ChaCha8Rng;
     use rand_chacha::rand_core::SeedableRng;
-    use rand_distr::{Distribution, StandardNormal};
+    use rand_distr::Distribution;
 
     /// Two series with unit variances, this correlation, and a memory of `memory` samples (AR 1).
     pub fn correlated(seed: u64, count: usize, correlation: f64, memory: f64) -> (Vec<f64>, Vec<f64>) {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
-        let keep = (-1.0 / memory).exp();
+        let keep = libm::exp(-1.0 / memory);
         let (mut a, mut b) = (normal(), normal());
         let renew = (1.0 - keep * keep).sqrt();
         let pair = |_| {

@@ -102,7 +102,7 @@ fn fit(
     let slope = sum(&|v, r| (v - mean_v) * (r - mean_r)) / spread;
     let offset = mean_r - slope * mean_v;
     let variance = sum(&|v, r| (r - offset - slope * v).powi(2)) / (count - 2.0);
-    let with_reference = |value: f64, u: f64| Sampled { value, u: u.hypot(reference_share * value) };
+    let with_reference = |value: f64, u: f64| Sampled { value, u: libm::hypot(u, reference_share * value) };
     let speeds_m_s = pairs.iter().fold([f64::INFINITY, 0.0], |[least, most], (_, r)| [r.min(least), r.max(most)]);
     Ok(ReferenceCheck {
         intervals: pairs.len(),

@@ -372,7 +372,7 @@ mod ladder_tests {
         let found = sections(&rates, &r, 2).unwrap();
         let mut before = 1.0;
         for n in 0..400 {
-            let now = cross_share(&found, 1e-3 * 10f64.powf(n as f64 / 50.0));
+            let now = cross_share(&found, 1e-3 * libm::pow(10.0, n as f64 / 50.0));
             assert!((0.0..=before).contains(&now));
             before = now;
         }

@@ -92,7 +92,7 @@ fn sets(plant: &Plant<'_>, steady: &KalmanFilter, delay_s: f64) -> Option<Vec<Fa
     let mut last_ticks = 0;
     let (mut sum, mut variance_w2, mut count) = (DVector::zeros(states + 1), 0.0, 0_u32);
     for set in 0..FASTER_SETS {
-        let until_s = first_s * (last_s / first_s).powf(set as f64 / (FASTER_SETS - 1) as f64);
+        let until_s = first_s * libm::pow(last_s / first_s, set as f64 / (FASTER_SETS - 1) as f64);
         while f64::from(tick) * plant.sample_period_s < until_s {
             let ph = &p * &h;
             let gain = &ph / (h.dot(&ph) + r);

@@ -264,7 +264,7 @@ fn unresolved(pair: &Pair, is_own: bool) -> Option<String> {
     if let Some(k) = relative.iter().position(|relative| relative.is_nan() || *relative >= KNOWN) {
         return Some(format!("the rate at {:.3e} rad/s is known to ±{:.0} % only", rates[k], 100.0 * relative[k]));
     }
-    let close = |k: &usize| (rates[k + 1] / rates[*k]).ln() < 2.0 * relative[*k].hypot(relative[k + 1]);
+    let close = |k: &usize| libm::log(rates[k + 1] / rates[*k]) < 2.0 * libm::hypot(relative[*k], relative[k + 1]);
     let k = (0..rates.len().saturating_sub(1)).find(close)?;
     Some(format!("rates at {:.3e} and {:.3e} rad/s are within twice their standard errors", rates[k], rates[k + 1]))
 }
@@ -337,7 +337,7 @@ mod tests {
             }
             power_w.push(heat_w);
             temperature_c.push(20.0 + rise_k + 2e-3 * (random() - 0.5));
-            rise_k += (1.0 - (-0.02_f64).exp()) * (heat_w - rise_k);
+            rise_k += (1.0 - libm::exp(-0.02)) * (heat_w - rise_k);
         }
         QuiescentRecord {
             name: "r.csv".to_owned(),

@@ -115,14 +115,14 @@ pub fn design(plant: &Plant<'_>, bandwidth_hz: f64) -> Result<KalmanFilter, Netw
     // In units of what one step does to the temperature against the noise.
     let seen_k_per_w: f64 = plant.own.r_k_per_w.iter().zip(plant.gains()).map(|(r, g)| r.abs() * g).sum();
     let unit_w = plant.variance_k2().sqrt() / seen_k_per_w.max(f64::MIN_POSITIVE);
-    let at = |ln_step: f64| plant.filter(ln_step.exp(), bandwidth_hz);
+    let at = |ln_step: f64| plant.filter(libm::exp(ln_step), bandwidth_hz);
     // From a middling step outwards: far beyond what is needed the equations are ill conditioned.
-    let mut edge = unit_w.ln();
+    let mut edge = libm::log(unit_w);
     let mut edge_hz = at(edge)?.bandwidth_hz;
     let is_slow = edge_hz < bandwidth_hz;
     let (mut slow, mut fast) = (edge, edge);
     while (edge_hz < bandwidth_hz) == is_slow {
-        let limit = unit_w.ln() + if is_slow { FASTEST.ln() } else { SLOWEST.ln() };
+        let limit = libm::log(unit_w) + if is_slow { libm::log(FASTEST) } else { libm::log(SLOWEST) };
         if edge == limit {
             let reach = if is_slow { "up to" } else { "down to" };
             return Err(NetworkError::new(format!(
@@ -130,7 +130,7 @@ pub fn design(plant: &Plant<'_>, bandwidth_hz: f64) -> Result<KalmanFilter, Netw
             )));
         }
         (slow, fast) = (edge, edge);
-        edge = if is_slow { (edge + OUTWARDS.ln()).min(limit) } else { (edge - OUTWARDS.ln()).max(limit) };
+        edge = if is_slow { (edge + libm::log(OUTWARDS)).min(limit) } else { (edge - libm::log(OUTWARDS)).max(limit) };
         edge_hz = at(edge)?.bandwidth_hz;
     }
     if is_slow {
@@ -225,25 +225,26 @@ impl Plant<'_> {
         let nyquist_hz = 0.5 / self.sample_period_s;
         let passes = |hz: f64| self.response(gains, convection, correction, hz).norm_sqr() >= 0.5;
         let first_hz = 1e-3 * near_hz;
-        let points = (A_DECADE as f64 * (nyquist_hz / first_hz).log10()).ceil() as usize;
-        let at = |n: usize| (first_hz * 10f64.powf(n as f64 / A_DECADE as f64)).min(nyquist_hz);
+        let points = (A_DECADE as f64 * libm::log10(nyquist_hz / first_hz)).ceil() as usize;
+        let at = |n: usize| (first_hz * libm::pow(10.0, n as f64 / A_DECADE as f64)).min(nyquist_hz);
         match (0..=points).find(|&n| !passes(at(n))) {
             None => nyquist_hz,
             Some(0) => first_hz,
             Some(n) => {
-                let (mut below, mut above) = (at(n - 1).ln(), at(n).ln());
+                let (mut below, mut above) = (libm::log(at(n - 1)), libm::log(at(n)));
                 while above - below > 1e-10 {
                     let middle = 0.5 * (below + above);
-                    if passes(middle.exp()) { below = middle } else { above = middle }
+                    if passes(libm::exp(middle)) { below = middle } else { above = middle }
                 }
-                (0.5 * (below + above)).exp()
+                libm::exp(0.5 * (below + above))
             }
         }
     }
 
     /// q̂/q
     fn response(&self, gains: &[f64], convection: f64, correction: &[f64], hz: f64) -> Complex<f64> {
-        let z = Complex::from_polar(1.0, std::f64::consts::TAU * hz * self.sample_period_s);
+        let (sine, cosine) = libm::sincos(std::f64::consts::TAU * hz * self.sample_period_s);
+        let z = Complex::new(cosine, sine);
         let one = Complex::new(1.0, 0.0);
         let sum = |of: &dyn Fn(usize) -> f64| -> Complex<f64> {
             let term = |k: usize| one * (self.own.r_k_per_w[k] * gains[k] * of(k)) / (z - (1.0 - gains[k]));

@@ -197,7 +197,7 @@ pub(super) mod tests {
         errors.add(&stated([0.0, 9.0, 0.0], QualityFlags::INCONSISTENT), &[], [0.0, 2.0, 0.0]);
         assert_eq!((errors.speed_coverage.share(), errors.direction_coverage.share()), (Some(0.5), Some(1.0)));
         // About two axes 0.1 rad are 0.245, in a plane 0.196.
-        let turned = |angle: f64| [2.0 * angle.cos(), 2.0 * angle.sin(), 0.0];
+        let turned = |angle: f64| [2.0 * libm::cos(angle), 2.0 * libm::sin(angle), 0.0];
         for (angle, normal, holds) in [
             (0.24, None, 1.0),
             (0.25, None, 0.0),

@@ -152,8 +152,8 @@ fn add(off: &WindSample, ratio: f32, axes_across: f64, estimate: &mut WindSample
 pub fn add_uncertainty(sample: &mut WindSample, covariance_m2_s2: [f64; 6], [speed_m_s, direction_rad]: [f64; 2]) {
     let elements = sample.covariance_m2_s2.iter_mut().zip(covariance_m2_s2);
     elements.for_each(|(element, added)| *element += added as f32);
-    sample.speed_error_m_s = sample.speed_error_m_s.hypot(speed_m_s as f32);
-    sample.direction_error_rad = sample.direction_error_rad.hypot(direction_rad as f32).min(PI);
+    sample.speed_error_m_s = libm::hypotf(sample.speed_error_m_s, speed_m_s as f32);
+    sample.direction_error_rad = libm::hypotf(sample.direction_error_rad, direction_rad as f32).min(PI);
 }
 
 #[cfg(test)]
@@ -179,7 +179,7 @@ mod tests {
     #[test]
     fn what_a_reading_moves_is_added_to_what_was_uncertain() {
         // Faster by 0.4 m/s, and turned by 0.04 rad, by ten times what the reading is off.
-        let (sin, cos) = 0.004_f32.sin_cos();
+        let (sin, cos) = libm::sincosf(0.004);
         let mut estimate = wind([5.0, 0.0, 0.0]);
         add(&wind([5.04 * cos, 5.04 * sin, 0.0]), 10.0, 1.0, &mut estimate);
         assert!((estimate.speed_error_m_s - 0.5).abs() < 1e-4, "{estimate:?}");

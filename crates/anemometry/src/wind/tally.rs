@@ -111,7 +111,7 @@ impl LogMedian {
     pub fn add(&mut self, value: f64) {
         if value.is_finite() && value >= 0.0 {
             // ln 0 is the least bin of all.
-            *self.counts.entry((BINS * value.ln()).round() as i32).or_default() += 1;
+            *self.counts.entry((BINS * libm::log(value)).round() as i32).or_default() += 1;
             self.count += 1;
         }
     }
@@ -121,7 +121,7 @@ impl LogMedian {
         let mut left = self.count.div_ceil(2);
         for (&bin, &count) in &self.counts {
             if count >= left {
-                return Some((f64::from(bin) / BINS).exp());
+                return Some(libm::exp(f64::from(bin) / BINS));
             }
             left -= count;
         }

@@ -70,7 +70,7 @@ impl Carriers {
     pub fn bank(&self) -> (Vec<f64>, Vec<f64>) {
         let rate_rad_s = |k| mesh::rate_rad_s(1.0 / self.slowest_s, 1.0 / self.fastest_s, k, self.order);
         let rates_rad_s: Vec<f64> = (0..self.order).map(rate_rad_s).collect();
-        let weights: Vec<f64> = rates_rad_s.iter().map(|rate| rate.powf(-self.slope)).collect();
+        let weights: Vec<f64> = rates_rad_s.iter().map(|rate| libm::pow(*rate, -self.slope)).collect();
         let sum: f64 = weights.iter().sum();
         (rates_rad_s, weights.iter().map(|weight| weight / sum).collect())
     }
@@ -84,6 +84,6 @@ impl Carriers {
         if !charges {
             return 0.0;
         }
-        self.steady_shift_v * (bias_v.abs() / self.scale_v).exp_m1() / (self.at_bias_v / self.scale_v).exp_m1()
+        self.steady_shift_v * libm::expm1(bias_v.abs() / self.scale_v) / libm::expm1(self.at_bias_v / self.scale_v)
     }
 }

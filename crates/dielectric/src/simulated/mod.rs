@@ -1,10 +1,11 @@
 //! The simulated device: banks of charge under two voltages in turn, a C₀ that follows its
 //! surroundings, and a meter with noise.
 
+use diffusive::random::StandardNormal;
 use dr_core::model::mesh;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use rand_distr::{Distribution, StandardNormal};
+use rand_distr::Distribution;
 
 use crate::device::{Carriers, Device, Simulation};
 use crate::port::{ChargeSymbol, SymbolShape};

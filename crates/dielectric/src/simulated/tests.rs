@@ -41,12 +41,12 @@ fn device(noise_f: f64, carriers: Vec<Carriers>) -> Device {
 #[test]
 fn a_constant_bias_charges_along_an_exponential_and_by_its_size() {
     let device = device(0.0, vec![carriers(Polarity::Positive, 1.5, 100.0)]);
-    for (bias_v, steady_v) in [(10.0, 1.5), (5.0, 1.5 * 1.25_f64.exp_m1() / 2.5_f64.exp_m1()), (-10.0, 0.0)] {
+    for (bias_v, steady_v) in [(10.0, 1.5), (5.0, 1.5 * libm::expm1(1.25) / libm::expm1(2.5)), (-10.0, 0.0)] {
         let mut simulated = SimulatedDevice::new(&device, &[], 1).unwrap();
         for _ in 0..70 {
             simulated.hold(bias_v, 1.0);
         }
-        let expected_v = steady_v * (1.0 - (-0.7_f64).exp());
+        let expected_v = steady_v * (1.0 - libm::exp(-0.7));
         assert!((simulated.shift_v() - expected_v).abs() < 1e-12, "{bias_v}: {}", simulated.shift_v());
     }
 }

@@ -179,7 +179,7 @@ mod tests {
     /// The state before row n as the sum that the recursion stands for, x_n = Σ_m (1 − a) a^(n−1−m)
     /// u_m with a = e^(−ξ Ts).
     fn state(rate_rad_s: f64, drive: &[f64], n: usize) -> f64 {
-        let keep = (-rate_rad_s * 1.0).exp();
+        let keep = libm::exp(-rate_rad_s * 1.0);
         (0..n).map(|m| (1.0 - keep) * keep.powi((n - 1 - m) as i32) * drive[m]).sum()
     }
 
@@ -219,7 +219,7 @@ mod tests {
             row.push(loss[n]);
             row.push(state(rates[0], &class, n));
             row.push(state(rates[0], &moved, n));
-            row.extend([(-0.1 * n as f64).exp(), 1.0, output[n] - 20.0]);
+            row.extend([libm::exp(-0.1 * n as f64), 1.0, output[n] - 20.0]);
             nalgebra::DVector::from_vec(row)
         };
         // The first five rows say nothing: what drives them late stood before the record.
@@ -265,14 +265,15 @@ mod tests {
             let (mut row, block) = (nalgebra::DVector::zeros(6), &blocks[segment]);
             for (k, &rate) in rates.iter().enumerate() {
                 row[k] = state(rate, &block.inputs[0], n);
-                row[2 + k] = if segment == 0 { (-rate * n as f64).exp() } else { 0.0 };
+                row[2 + k] = if segment == 0 { libm::exp(-rate * n as f64) } else { 0.0 };
             }
             row[4] = if segment == 0 { 1.0 } else { 0.0 };
             row[5] = block.outputs[0].get(n).map_or(0.0, |y| y - 20.0);
             row
         };
-        let start =
-            |n: usize| nalgebra::DVector::from_fn(4, |k, _| starts.get(k).map_or(1.0, |rate| (-rate * n as f64).exp()));
+        let start = |n: usize| {
+            nalgebra::DVector::from_fn(4, |k, _| starts.get(k).map_or(1.0, |rate| libm::exp(-rate * n as f64)))
+        };
         let seen: Vec<usize> = (0..77).filter(|n| ![0, 30, 31].contains(n)).collect();
         let (mut own, mut beside) = (DMatrix::<f64>::zeros(4, 4), DMatrix::<f64>::zeros(4, 6));
         for &n in &seen {

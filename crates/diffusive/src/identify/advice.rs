@@ -84,9 +84,9 @@ fn length(model: &Model, longest_s: f64, slowest_s: f64) -> String {
 fn input(model: &Model, slowest_s: f64, fastest_s: f64) -> String {
     let period_s = model.sample_period_s;
     let bit_s = period_s * (BIT * fastest_s / period_s).floor().max(1.0);
-    let bits = (TAU * slowest_s / bit_s + 1.0).log2().ceil() as u8;
+    let bits = libm::log2(TAU * slowest_s / bit_s + 1.0).ceil() as u8;
     let order = bits.clamp(*ORDERS.start(), *ORDERS.end());
-    let sequence_s = (f64::from(order).exp2() - 1.0) * bit_s;
+    let sequence_s = (libm::exp2(f64::from(order)) - 1.0) * bit_s;
     let [bit, fastest, sequence] = [brief(bit_s), rough(fastest_s), rough(sequence_s)];
     let slow = if period_s > SAMPLE * fastest_s {
         format!("; sample every {} s or faster", rough(SAMPLE * fastest_s))
@@ -150,7 +150,7 @@ fn surroundings(model: &Model) -> Option<String> {
 
 /// A number to its second digit.
 fn rough(value: f64) -> String {
-    let place = 10_f64.powf(value.abs().max(f64::MIN_POSITIVE).log10().floor() - 1.0);
+    let place = libm::pow(10.0, libm::log10(value.abs().max(f64::MIN_POSITIVE)).floor() - 1.0);
     brief((value / place).round() * place)
 }
 

@@ -72,7 +72,7 @@ fn geometric(first: f64, last: f64, order: usize) -> Vec<f64> {
 }
 
 fn order_for(first: f64, last: f64, per_decade: f64) -> usize {
-    (((last / first).log10() * per_decade).round() as usize + 1).clamp(2, MOST_RATES)
+    ((libm::log10(last / first) * per_decade).round() as usize + 1).clamp(2, MOST_RATES)
 }
 
 /// The meshes worth trying for a record of `duration_s` with `classes` event classes.
@@ -145,7 +145,7 @@ pub fn averaged(duration_s: f64, sample_period_s: f64) -> Vec<CandidateMesh> {
     let of = |(factor, per_decade)| {
         let own = dense(duration_s, sample_period_s, factor, per_decade);
         let middles = own.rates_rad_s.windows(2).map(|two| (two[0] * two[1]).sqrt());
-        let apart = |rate: &f64| (rate * duration_s / SLOW_WALK).ln().abs();
+        let apart = |rate: &f64| libm::log(rate * duration_s / SLOW_WALK).abs();
         let pole = middles.min_by(|a, b| apart(a).total_cmp(&apart(b)));
         CandidateMesh { part: MeshPart::Averaged, poles_rad_s: pole.into_iter().collect(), ..own }
     };
@@ -165,7 +165,7 @@ pub fn priors(mesh: &CandidateMesh, given: &Constraints) -> Vec<Prior> {
         return vec![Prior::Columns(ridge)];
     }
     if mesh.smooth {
-        return (0..=36).map(|step| Prior::Smooth(10_f64.powf(0.5 * f64::from(-step)))).collect();
+        return (0..=36).map(|step| Prior::Smooth(libm::pow(10.0, 0.5 * f64::from(-step)))).collect();
     }
     let mut priors = [1e-4, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12].map(Prior::Tapered).to_vec();
     // Who gives the mesh has said what is likely: then a prior must earn its place. It would cost

@@ -120,11 +120,10 @@ impl CandidateSet<'_> {
     pub(super) fn terms(&self, mesh: usize, initial_state: InitialState, feed_through: bool) -> Vec<ModelTerm> {
         let plan = &self.reading.plan;
         let all = terms(&plan.designs[mesh].roles(), initial_state, feed_through, &self.reading.first_drives);
-        let is_seen = |bank: usize| plan.is_seen(bank, self.output);
         let poles = &plan.meshes[mesh].poles_rad_s;
         let is_its = |term: &ModelTerm| match term.role {
-            Role::Relaxation { bank, rate_rad_s, .. } => is_seen(bank) && !poles.contains(&rate_rad_s),
-            Role::FeedThrough { bank } => is_seen(bank),
+            Role::Relaxation { bank, rate_rad_s, .. } => plan.is_seen(bank) && !poles.contains(&rate_rad_s),
+            Role::FeedThrough { bank } => plan.is_seen(bank),
             Role::Initial { rate_rad_s } => !poles.contains(&rate_rad_s),
             Role::Offset | Role::DriftStart { .. } => true,
         };
@@ -223,7 +222,7 @@ impl CandidateSet<'_> {
             // mesh is guarded, the noise is what is left.
             let gcv = |prior: &Prior| {
                 let solution = total.solve(&of(*prior), None);
-                solution.rss.ln() - 2.0 * (1.0 - solution.degrees / total.rows).max(1e-12).ln()
+                libm::log(solution.rss) - 2.0 * libm::log((1.0 - solution.degrees / total.rows).max(1e-12))
             };
             let strength = candidates.iter().copied().min_by(|a, b| gcv(a).total_cmp(&gcv(b)));
             candidates = strength.into_iter().collect();

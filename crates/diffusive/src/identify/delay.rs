@@ -91,7 +91,7 @@ fn try_delays(
     let (inputs, outputs, period_s) = (survey.inputs.len(), survey.outputs.len(), survey.sample_period_s);
     let (first, last) = mesh::thesis_edges_rad_s(rows as f64 * period_s, period_s, 1);
     let first = first / 2.0;
-    let order = (((last / first).log10() * 2.0).ceil() as usize + 1).clamp(2, 20);
+    let order = ((libm::log10(last / first) * 2.0).ceil() as usize + 1).clamp(2, 20);
     let rates: Vec<f64> = (0..order).map(|k| mesh::rate_rad_s(first, last, k, order)).collect();
     let bank = |input, delay| RelaxationBank {
         drive: BankDrive::Input(input),
@@ -164,12 +164,12 @@ fn decided(found: &[TriedPath], given: &Constraints) -> PathDecision {
 /// How well single folds are bridged: a few samples do not show in how a model carries on. Outputs
 /// may have different units: each counts by its logarithm.
 fn apart(scores: &[Score]) -> f64 {
-    (scores.iter().map(|score| score.mean_single().max(1e-300).ln()).sum::<f64>() / scores.len() as f64).exp()
+    libm::exp(scores.iter().map(|score| libm::log(score.mean_single().max(1e-300))).sum::<f64>() / scores.len() as f64)
 }
 
 /// The same of the first fold.
 fn begin(scores: &[Score]) -> f64 {
-    (scores.iter().map(|score| score.begin.max(1e-300).ln()).sum::<f64>() / scores.len() as f64).exp()
+    libm::exp(scores.iter().map(|score| libm::log(score.begin.max(1e-300))).sum::<f64>() / scores.len() as f64)
 }
 
 /// Whether the folds agree that the second is better.
@@ -178,7 +178,7 @@ fn beats(plain: &[Score], other: &[Score]) -> bool {
         .iter()
         .zip(other)
         .flat_map(|(plain, other)| plain.single.iter().zip(&other.single))
-        .map(|(plain, other)| (plain.max(1e-300) / other.max(1e-300)).ln())
+        .map(|(plain, other)| libm::log(plain.max(1e-300) / other.max(1e-300)))
         .collect();
     let n = differences.len() as f64;
     let mean = differences.iter().sum::<f64>() / n;

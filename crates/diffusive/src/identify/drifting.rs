@@ -122,7 +122,7 @@ impl CandidateSet<'_> {
         let most = candidates.first()?.1;
         candidates.retain(|(_, own)| *own > most - COUNTS);
         candidates.truncate(MOST_MEMBERS);
-        let weights: Vec<f64> = candidates.iter().map(|(_, own)| (own - most).exp()).collect();
+        let weights: Vec<f64> = candidates.iter().map(|(_, own)| libm::exp(own - most)).collect();
         let best = candidates.first()?.0.clone();
         // Another mesh may explain as well what looks like a drift on this one.
         let trial = &ordinary.trial;

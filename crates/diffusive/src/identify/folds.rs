@@ -75,8 +75,8 @@ impl Score {
     pub fn overall(&self) -> f64 {
         let count = self.single.len() as f64;
         let single = (self.mean_single() * count + self.begin) / (count + 1.0);
-        let logs = [single, self.double, self.mean_ahead()].map(|error| error.max(1e-300).ln());
-        (logs.iter().sum::<f64>() / 3.0).exp()
+        let logs = [single, self.double, self.mean_ahead()].map(|error| libm::log(error.max(1e-300)));
+        libm::exp(logs.iter().sum::<f64>() / 3.0)
     }
 
     /// Whether the root mean square is at most `ratio` times the other's, and the folds do not
@@ -91,7 +91,7 @@ impl Score {
     /// mean square, the folds within two standard errors, and the first fold, which shows a wrong
     /// initial state, within three standard deviations of how folds differ.
     pub fn is_plausible_beside(&self, other: &Self, ratio: f64) -> bool {
-        let log = |own: f64, other: f64| (own.max(1e-300) / other.max(1e-300)).ln();
+        let log = |own: f64, other: f64| libm::log(own.max(1e-300) / other.max(1e-300));
         let (mean, sd) = mean_and_sd(self.single.iter().zip(&other.single).map(|(own, other)| log(*own, *other)));
         self.overall() <= ratio * ratio * other.overall()
             && mean <= 2.0 * sd / (self.single.len() as f64).sqrt()
@@ -152,8 +152,8 @@ pub fn borders(folds: usize) -> impl Iterator<Item = usize> {
 }
 
 pub fn geometric_mean(values: &[f64]) -> f64 {
-    let logs = values.iter().map(|value| value.max(1e-300).ln());
-    (logs.sum::<f64>() / values.len().max(1) as f64).exp()
+    let logs = values.iter().map(|value| libm::log(value.max(1e-300)));
+    libm::exp(logs.sum::<f64>() / values.len().max(1) as f64)
 }
 
 /// A ratio of mean squared errors as a change of the root in percent.

@@ -159,7 +159,7 @@ impl CandidateSet<'_> {
                 let held = problem.estimate(penalty, Some(&all));
                 let clamped = held.iter().zip(&all).filter(|(theta, held)| **held && **theta == 0.0).count();
                 let cost = |theta: &DVector<f64>| problem.squared_error(theta) + theta.dot(&(penalty * theta));
-                let price = problem.rows * (cost(&held) / cost(&problem.estimate(penalty, None))).ln();
+                let price = problem.rows * libm::log(cost(&held) / cost(&problem.estimate(penalty, None)));
                 (price <= CONTRADICTED + 2.0 * clamped as f64).then_some(all)
             }
         }
@@ -203,7 +203,9 @@ impl CandidateSet<'_> {
             solution,
             level_k: mean(&|member| member.level_k),
             // An average errs less than its members do: those of opposite signs cancel.
-            ahead: (0..borders).map(|border| mean(&|member| member.ahead[border].max(1e-300).ln()).exp()).collect(),
+            ahead: (0..borders)
+                .map(|border| libm::exp(mean(&|member| libm::log(member.ahead[border].max(1e-300)))))
+                .collect(),
         }
     }
 }

@@ -72,19 +72,17 @@ impl NormalEquations {
 
     /// The same for an output that is a sum of columns.
     pub fn of_sum(gram: &Gram, terms: &[ModelTerm], output: &[(usize, f64)]) -> Self {
-        let mut maps = DMatrix::zeros(gram.sums.nrows(), terms.len());
-        for (column, term) in terms.iter().enumerate() {
-            for &(row, weight) in &term.of {
-                maps[(row, column)] += weight;
-            }
+        let product = |a: &[(usize, f64)], b: &[(usize, f64)]| {
+            let of_column = |column| a.iter().map(|&(row, weight)| weight * gram.sums[(row, column)]).sum::<f64>();
+            b.iter().map(|&(column, weight)| weight * of_column(column)).sum()
+        };
+        let n = terms.len();
+        Self {
+            g: DMatrix::from_fn(n, n, |i, j| product(&terms[i].of, &terms[j].of)),
+            b: DVector::from_fn(n, |i, _| product(&terms[i].of, output)),
+            yy: product(output, output),
+            rows: gram.rows as f64,
         }
-        let half = &gram.sums * &maps;
-        let (mut b, mut yy) = (DVector::zeros(terms.len()), 0.0);
-        for &(row, weight) in output {
-            b += half.row(row).transpose() * weight;
-            yy += output.iter().map(|&(column, other)| weight * other * gram.sums[(row, column)]).sum::<f64>();
-        }
-        Self { g: maps.tr_mul(&half), b, yy, rows: gram.rows as f64 }
     }
 
     /// The sum of all folds.
@@ -134,14 +132,14 @@ impl NormalEquations {
         let free = penalty.diagonal().iter().filter(|weight| **weight <= 0.0).count();
         let freedom = self.rows - free as f64;
         let rest = (self.yy - theta.dot(&self.b)).max(1e-14 * self.yy).max(f64::MIN_POSITIVE);
-        let used: f64 = scaled.scale.iter().filter(|scale| **scale > 0.0).map(|scale| -2.0 * scale.ln()).sum();
+        let used: f64 = scaled.scale.iter().filter(|scale| **scale > 0.0).map(|scale| -2.0 * libm::log(*scale)).sum();
         let log_of_posterior = log_determinant(&scaled.factor) + used;
         // A column without content tells nothing, and its prior is what it was.
         let is_held = |&i: &usize| penalty[(i, i)] > 0.0 && scaled.scale[i] > 0.0;
         let held: Vec<usize> = (0..penalty.nrows()).filter(is_held).collect();
         let prior = DMatrix::from_fn(held.len(), held.len(), |i, j| penalty[(held[i], held[j])]);
         let log_of_prior = Cholesky::new(prior).map_or(f64::INFINITY, |factor| log_determinant(&factor));
-        -0.5 * (freedom * (rest / freedom).ln() + log_of_posterior - log_of_prior)
+        -0.5 * (freedom * libm::log(rest / freedom) + log_of_posterior - log_of_prior)
     }
 
     pub fn solve(&self, penalty: &DMatrix<f64>, positive: Option<&[bool]>) -> PenalisedSolution {
@@ -167,7 +165,7 @@ impl NormalEquations {
 }
 
 fn log_determinant(factor: &Cholesky<f64, Dyn>) -> f64 {
-    2.0 * factor.l_dirty().diagonal().iter().map(|entry| entry.ln()).sum::<f64>()
+    2.0 * factor.l_dirty().diagonal().iter().map(|entry| libm::log(*entry)).sum::<f64>()
 }
 
 /// (G + P) with a unit diagonal of G.

@@ -14,8 +14,6 @@ pub struct IdentifyOptions {
     pub constraints: Constraints,
     /// Which resistances may not be negative.
     pub signs: Signs,
-    /// Order and edges of the pairs whose input is not the output's own, if they differ.
-    pub cross: Option<Constraints>,
     /// Temperature of the gas for structure `conductance`.
     pub gas: GasGiven,
     /// The class to which ΔG = 0 belongs; by default the one with the least conductance.
@@ -48,7 +46,6 @@ impl IdentifyOptions {
             (self.tie, "with tied pairs"),
             (self.free_poles.is_some(), "with free poles"),
             (self.structure == Some(Structure::Conductance), "with structure `conductance`"),
-            (self.cross.is_some(), "with a mesh of their own for cross pairs"),
             // What one spectrum a class leaves where winds change looks like a drift, and so does
             // what rates leave that were given.
             (is_auto && classes > 1, "by itself with several event classes"),

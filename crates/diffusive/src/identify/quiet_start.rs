@@ -47,12 +47,12 @@ impl QuietStart {
         let stands_c = spread.from + spread.sum / spread.count as f64;
         let se_k = spread.sd() / (spread.count as f64).sqrt();
         let apart_k = output.offset_c - stands_c;
-        let is_far = apart_k.abs() > FAR * output.se_offset_c.hypot(se_k).max(output.residual_rms / 10.0);
+        let is_far = apart_k.abs() > FAR * libm::hypot(output.se_offset_c, se_k).max(output.residual_rms / 10.0);
         if !is_far || spread.sd() > STANDS * output.residual_rms {
             return None;
         }
         let found = estimate(output.offset_c, output.se_offset_c);
-        output.se_offset_c = output.se_offset_c.hypot(apart_k);
+        output.se_offset_c = libm::hypot(output.se_offset_c, apart_k);
         Some(format!(
             "offset of `{}`: {found} was found, but it stands at {} in the {} rows before the first power; its standard error holds the difference",
             output.name,

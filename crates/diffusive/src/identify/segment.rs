@@ -30,7 +30,7 @@ pub fn start_rates(survey: &Survey) -> Vec<f64> {
         return Vec::new();
     }
     let (first, last) = (0.5 * TAU / survey.longest_s(), PI / survey.sample_period_s);
-    let order = (PER_DECADE * (last / first).log10()).ceil() as usize + 1;
+    let order = (PER_DECADE * libm::log10(last / first)).ceil() as usize + 1;
     (0..order).map(|k| mesh::rate_rad_s(first, last, k, order)).collect()
 }
 

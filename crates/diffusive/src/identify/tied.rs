@@ -75,7 +75,7 @@ enum TiedParameter {
 
 /// Solves all outputs together; `choices` are what each would be alone.
 pub fn tie(reading: &SymbolReading, options: &IdentifyOptions, choices: &[Choice]) -> Tied {
-    let mean_log = |scores: &[Score]| scores.iter().map(|score| score.overall().max(1e-300).ln()).sum::<f64>();
+    let mean_log = |scores: &[Score]| scores.iter().map(|score| libm::log(score.overall().max(1e-300))).sum::<f64>();
     let candidates = choices.iter().map(|choice| {
         let parts = parts_for(reading, options, &choice.trial, choices);
         let scores: Vec<Score> = parts.iter().map(|part| part.equations.score(&part.penalty, None)).collect();
@@ -149,7 +149,7 @@ fn parts_for(
         let own = CandidateSet { reading, options, output };
         let terms = own.terms(trial.mesh, trial.initial_state, trial.feed_through);
         let shared = |bank: usize, k| {
-            let BankPart { input, class, .. } = plan.parts[bank];
+            let BankPart { input, class } = plan.parts[bank];
             TiedParameter::Shared(input.min(output), input.max(output), class, k)
         };
         let key = |(at, term): (usize, &ModelTerm)| match term.role {

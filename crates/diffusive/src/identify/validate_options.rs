@@ -35,13 +35,6 @@ pub fn refuse(survey: &Survey, options: &IdentifyOptions) -> Result<(), RecordEr
     if let Some(poles) = options.free_poles {
         refine::refuse(survey, poles, options)?;
     }
-    survey.refuse_if(
-        options.cross.is_some() && survey.inputs.len() == 1 && survey.outputs.len() == 1,
-        format_args!(
-            "has one input, `{}`, and one output, `{}`, so no heat crosses from one element to another: leave out --cross-order and --cross-mesh, or name more columns with --input and --output",
-            survey.inputs[0], survey.outputs[0]
-        ),
-    )?;
     let delay = options.constraints.delay.unwrap_or(0);
     survey.refuse_if(
         delay as u64 > rows / 4,
@@ -49,7 +42,7 @@ pub fn refuse(survey: &Survey, options: &IdentifyOptions) -> Result<(), RecordEr
             "has {rows} rows: a dead time of {delay} samples leaves too few to learn from (at most a quarter)"
         ),
     )?;
-    for (first, last) in edges(options) {
+    if let Some((first, last)) = options.constraints.edges_rad_s {
         // Far beyond what the record shows, rates cannot be told from feed-through or from an
         // offset.
         let (least, most) = (1e-4 / (rows as f64 * period_s), REFUSED * PI / period_s);
@@ -65,27 +58,21 @@ pub fn refuse(survey: &Survey, options: &IdentifyOptions) -> Result<(), RecordEr
 /// Warns of options that this record meets badly.
 pub fn warnings(survey: &Survey, options: &IdentifyOptions) -> Vec<String> {
     let fastest = PI / survey.sample_period_s;
-    let far = edges(options).filter(|(_, last)| *last > MARKED * fastest);
+    let far = options.constraints.edges_rad_s.filter(|(_, last)| *last > MARKED * fastest);
     let sentence = |(_, last): (f64, f64)| {
         format!(
             "the mesh reaches to {last:.1e} rad/s, but samples every {} s show nothing beyond {fastest:.1e} (π/Ts): its fastest resistances are hardly more than the prior's; lower the last edge",
             tidy(survey.sample_period_s)
         )
     };
-    far.map(sentence).collect()
+    far.map(sentence).into_iter().collect()
 }
 
 /// Which input is whose own, where that matters: the order of the columns decides it.
 pub fn pairing(survey: &Survey, options: &IdentifyOptions) -> Option<String> {
     let own: Vec<String> =
         survey.inputs.iter().zip(&survey.outputs).map(|(input, output)| format!("`{input}` → `{output}`")).collect();
-    let matters = options.cross.is_some() || options.tie;
-    matters.then(|| {
+    options.tie.then(|| {
         format!("own heat, by the order of the columns: {}; every other pair is cross-heating", own.join(", "))
     })
-}
-
-fn edges(options: &IdentifyOptions) -> impl Iterator<Item = (f64, f64)> {
-    let cross = options.cross.as_ref().and_then(|cross| cross.edges_rad_s);
-    options.constraints.edges_rad_s.into_iter().chain(cross)
 }

@@ -267,7 +267,7 @@ impl Forward {
     pub fn decays(&self, model: &Model) -> Vec<Vec<(f64, f64)>> {
         let mut all = vec![Vec::new(); self.offset_c.len()];
         for decay in &self.decays {
-            all[decay.output].push((-decay.factor.ln() / model.sample_period_s, decay.amplitude_k));
+            all[decay.output].push((-libm::log(decay.factor) / model.sample_period_s, decay.amplitude_k));
         }
         let meshes = model.pairs.iter().flat_map(|pair| pair.classes.values().map(move |_| &pair.mesh_rad_s));
         for (bank, mesh) in self.banks.iter().zip(meshes) {
@@ -315,7 +315,7 @@ mod tests {
         assert!(rest.iter().all(|y| (y - (model.offset_c + 3.0)).abs() < 1e-12), "{rest:?}");
         // A step by 2 K, seen from the next row on: 2 (1 − e^(−ξt)).
         for n in 0..100 {
-            let truth = model.offset_c + 3.0 + 2.0 * (1.0 - (-0.1 * 0.1 * f64::from(n)).exp());
+            let truth = model.offset_c + 3.0 + 2.0 * (1.0 - libm::exp(-0.1 * 0.1 * f64::from(n)));
             assert!((row(23.0) - truth).abs() < 1e-12);
         }
     }
@@ -340,8 +340,8 @@ mod tests {
     #[test]
     fn decays_of_the_whole_state_go_on_as_the_model_would_have() {
         let model = model();
-        let gas_c = |n: usize| 18.0 + (0.05 * n as f64).sin();
-        let power_w = |n: usize| 0.1 + 0.05 * (0.3 * n as f64).cos();
+        let gas_c = |n: usize| 18.0 + libm::sin(0.05 * n as f64);
+        let power_w = |n: usize| 0.1 + 0.05 * libm::cos(0.3 * n as f64);
         let mut outputs = [0.0];
         let mut forward = Forward::at_rest(&model, model.sample_period_s);
         (0..200).for_each(|n| forward.row(&[power_w(n)], still(&model), gas_c(n), &mut outputs));

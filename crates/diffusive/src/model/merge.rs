@@ -203,7 +203,7 @@ mod tests {
         let mut forwards: Vec<Forward> =
             [&merged, &models[0].1, &models[1].1].map(|model| Forward::at_rest(model, 0.1)).into();
         for n in 0..500 {
-            let (u, v) = ((f64::from(n) * 0.07).sin(), f64::from(n % 50) * 0.01);
+            let (u, v) = (libm::sin(f64::from(n) * 0.07), f64::from(n % 50) * 0.01);
             let mut y = [[0.0]; 3];
             for ((forward, inputs), y) in forwards.iter_mut().zip([&[u, v][..], &[u], &[v]]).zip(&mut y) {
                 forward.row(inputs, 0, 0.0, y);

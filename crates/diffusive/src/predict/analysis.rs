@@ -337,7 +337,7 @@ impl Analysis {
 
 /// A time for a sentence.
 fn three_digits(time_s: f64) -> String {
-    let digits = (2 - time_s.abs().max(1e-9).log10().floor() as i32).clamp(0, 9) as usize;
+    let digits = (2 - libm::log10(time_s.abs().max(1e-9)).floor() as i32).clamp(0, 9) as usize;
     format!("{time_s:.digits$}")
 }
 
@@ -363,10 +363,10 @@ mod tests {
         let held = found.held.unwrap();
         assert_eq!(held.verdict, Reachability::Reachable { steady_power_w: 1.0 });
         // 20 (1 − e^(−t/2)) = 10
-        assert!((held.reaching_time_s.unwrap() - 2.0 * 2_f64.ln()).abs() < 1e-14);
+        assert!((held.reaching_time_s.unwrap() - 2.0 * libm::log(2.0)).abs() < 1e-14);
         assert!((held.arrival_w.unwrap() - 1.0).abs() < 1e-14);
         // ln 50 / ξ
-        assert!((found.open_settling_s.unwrap() - 50_f64.ln() / 0.5).abs() < 1e-8);
+        assert!((found.open_settling_s.unwrap() - libm::log(50.0) / 0.5).abs() < 1e-8);
     }
 
     #[test]

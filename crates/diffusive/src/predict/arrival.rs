@@ -52,7 +52,7 @@ mod tests {
             .map(|n| match n {
                 0..100 => 25.0 + 0.05 * f64::from(n),
                 700..760 => 29.0,
-                n => 30.0 + 0.02 * (1.7 * f64::from(n * n % 103)).sin(),
+                n => 30.0 + 0.02 * libm::sin(1.7 * f64::from(n * n % 103)),
             })
             .collect();
         let at = at_set_point(&predicted(1000), &recorded);

@@ -9,6 +9,7 @@ use dr_core::model::mesh;
 use dr_core::sensor::Level;
 use nalgebra::DVector;
 
+use super::exponential::exponential;
 use super::reaching::meeting_s;
 use super::sliding_surface::SlidingSurface;
 use super::zeros::decays_of;
@@ -64,7 +65,7 @@ pub fn settle(
                 let settled_s = decays.settled_s(bound_w).map(|rest_s| now_s + rest_s);
                 return Limited { off_s: Some(off_s), settled_s };
             };
-            let slid = (surface.sliding_matrix() * -leaves_s).exp() * DVector::from_column_slice(&z);
+            let slid = exponential(&(surface.sliding_matrix() * -leaves_s)) * DVector::from_column_slice(&z);
             z.copy_from_slice(slid.as_slice());
             now_s += leaves_s;
             continue;
@@ -82,7 +83,7 @@ pub fn settle(
 /// The first moment of a search at which a power that begins between the levels is beyond one.
 fn leaves_s(surface: &SlidingSurface, power_w: &dyn Fn(f64) -> f64, (low_w, high_w): (f64, f64)) -> Option<f64> {
     let end_s = 40.0 / surface.rates_rad_s[0];
-    let moment = |n: u32| end_s * 10_f64.powf(-DECADES * (1.0 - f64::from(n) / f64::from(POINTS)));
+    let moment = |n: u32| end_s * libm::pow(10.0, -DECADES * (1.0 - f64::from(n) / f64::from(POINTS)));
     (0..=POINTS).map(moment).find(|time_s| !(low_w..=high_w).contains(&power_w(*time_s)))
 }
 

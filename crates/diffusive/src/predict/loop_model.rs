@@ -184,6 +184,8 @@ fn in_wind(structure: &SlidingSurface, conductance_w_per_k: f64) -> Result<Slidi
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::ComplexField as _;
+
     use super::super::zeros::zeros;
     use super::*;
     use crate::model::testing;
@@ -198,7 +200,7 @@ mod tests {
             assert!((loop_model.steady_gain_k_per_w / exact - 1.0).abs() < 1e-12, "{conductance}");
             assert!((loop_model.gamma_k_per_j / structure.gamma_k_per_j - 1.0).abs() < 1e-12);
             for (a, b) in zeros(&structure).iter().zip(zeros(&loop_model)) {
-                assert!((a.rate_rad_s / b.rate_rad_s - 1.0).norm() < 1e-10, "{conductance} {a:?} {b:?}");
+                assert!((a.rate_rad_s / b.rate_rad_s - 1.0).modulus() < 1e-10, "{conductance} {a:?} {b:?}");
             }
         }
         assert!(in_wind(&structure, -0.025).unwrap_err().to_string().contains("run away"));

@@ -7,6 +7,7 @@
 //! | [`secular`], [`zeros`] | transmission zeros: the time constants of the closed loop, and their weights |
 //! | [`decays`] | sums of exponentials, and when they have settled |
 //! | [`reaching`], [`chatter`] | how the loop arrives, and how it swings |
+//! | [`exponential`] | the exponential of a matrix |
 //! | [`disturbance`], [`limited`] | what a change of the wind asks of it, and what its levels make of that |
 //! | [`loop_model`], [`analysis`] | one class of a model, and its analysis |
 //! | [`scenario`], [`system`], [`closed`] | whole experiments with several elements, tick by tick |
@@ -24,6 +25,7 @@ pub mod closed;
 pub mod compare;
 pub mod decays;
 pub mod disturbance;
+pub mod exponential;
 pub mod limited;
 pub mod loop_model;
 pub mod prediction_report;

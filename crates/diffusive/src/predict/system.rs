@@ -25,6 +25,7 @@ use nalgebra::{DMatrix, DVector};
 
 use dr_core::model::mesh;
 
+use super::exponential::exponential;
 use super::loop_model::{followed_k, gas_temperature_c};
 use super::sliding_surface::{feed_through, no_surface};
 use crate::model::pair_class::{element, name, unseen};
@@ -314,7 +315,7 @@ impl System {
             all.view_mut((0, 0), (n, n)).copy_from(&(a * time_s));
             all.view_mut((0, n), (n, elements)).copy_from(&(b * time_s));
             all.view_mut((0, n + elements), (n, 1)).copy_from(&(c * time_s));
-            let all = all.exp();
+            let all = exponential(&all);
             Advance::Dense {
                 of_state: all.view((0, 0), (n, n)).into_owned(),
                 of_power: all.view((0, n), (n, elements)).into_owned(),

@@ -57,7 +57,7 @@ impl Axis {
     /// least.
     pub fn logarithmic(values: impl IntoIterator<Item = f64>, ticks: usize) -> Self {
         let shown = extent(values.into_iter().filter(|value| LOG_RANGE.contains(value)));
-        let (low, high) = shown.map_or((0.0, 0.0), |(low, high)| (low.log10(), high.log10()));
+        let (low, high) = shown.map_or((0.0, 0.0), |(low, high)| (libm::log10(low), libm::log10(high)));
         let air = 0.03 * (high - low).max(1.0);
         let widening = ((1.0 - (high - low)) / 2.0).max(0.0);
         let (low, high) = (low - air - widening, high + air + widening);
@@ -67,14 +67,14 @@ impl Axis {
         } else {
             [1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0].into_iter().find(|step| span / step <= 1.4 * ticks).unwrap_or(100.0)
         };
-        Self { low: 10_f64.powf(low), high: 10_f64.powf(high), scale: Scale::Log, step }
+        Self { low: libm::pow(10.0, low), high: libm::pow(10.0, high), scale: Scale::Log, step }
     }
 
     /// Where a value lies: 0 at the low end, 1 at the high one.
     pub fn share(&self, value: f64) -> f64 {
         match self.scale {
             Scale::Linear => (value - self.low) / (self.high - self.low),
-            Scale::Log => (value / self.low).ln() / (self.high / self.low).ln(),
+            Scale::Log => libm::log(value / self.low) / libm::log(self.high / self.low),
         }
     }
 
@@ -94,7 +94,7 @@ impl Axis {
             return self.logarithmic_ticks();
         }
         let first = (self.low / self.step - 1e-6).ceil();
-        let decimals = (-self.step.log10().floor()).max(0.0) as usize;
+        let decimals = (-libm::log10(self.step).floor()).max(0.0) as usize;
         (0..)
             .map(|n| (first + f64::from(n)) * self.step)
             .take_while(|tick| *tick <= self.high + 1e-6 * self.step)
@@ -135,7 +135,7 @@ impl Axis {
 
     /// Exponents of the decades that the range touches.
     fn decades(&self) -> std::ops::RangeInclusive<i32> {
-        self.low.log10().floor() as i32..=self.high.log10().ceil() as i32
+        libm::log10(self.low).floor() as i32..=libm::log10(self.high).ceil() as i32
     }
 }
 
@@ -168,7 +168,7 @@ fn plain(mantissa: i32, exponent: i32) -> String {
 /// The step of 1, 2 or 5 × 10^n that makes about so many ticks: at most 1.4 times as many.
 fn step(span: f64, ticks: usize) -> f64 {
     let rough = span / ticks.max(1) as f64;
-    let power = 10_f64.powf(rough.log10().floor());
+    let power = libm::pow(10.0, libm::log10(rough).floor());
     let steps = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power);
     steps.into_iter().find(|step| *step >= 0.7 * rough).unwrap_or(10.0 * power)
 }

@@ -319,7 +319,7 @@ impl Chart {
             let share = HEADROOM / (self.height - HEADROOM).max(HEADROOM);
             values.push(match self.y {
                 Scale::Linear => high + share * (high - low),
-                Scale::Log => high * (high / low).powf(share),
+                Scale::Log => high * libm::pow(high / low, share),
             });
         }
         let bounds = match (self.y, ends) {

@@ -67,8 +67,8 @@ impl ChartLayout<'_> {
             svg.line(&[(x, bottom), (x, bottom + 2.0)], QUIET, AXIS_LINE);
             label(svg, &words, x, 0);
             if self.chart.time_constants {
-                let exponent = tick.log10().round();
-                let whole = words.starts_with("10") && (tick.log10() - exponent).abs() < 1e-9;
+                let exponent = libm::log10(tick).round();
+                let whole = words.starts_with("10") && (libm::log10(tick) - exponent).abs() < 1e-9;
                 let inverse = if whole && words.chars().any(|letter| "⁰¹²³⁴⁵⁶⁷⁸⁹".contains(letter)) {
                     power_of_ten(-(exponent as i32))
                 } else {

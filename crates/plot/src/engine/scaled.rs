@@ -42,13 +42,13 @@ impl ScaledAxis {
         };
         let (mut base, mut from) = (0.0, None);
         if high - low < FAR * greatest {
-            let exponent = (high - low).log10().ceil() as i32;
+            let exponent = libm::log10(high - low).ceil() as i32;
             let unit = 10_f64.powi(exponent);
             base = (low / unit).floor() * unit;
             from = Some(format!("{base:.*}", (-exponent).max(0) as usize).replace('-', "−"));
         }
         let reach = (low - base).abs().max((high - base).abs());
-        let magnitude = reach.log10().floor() as i32;
+        let magnitude = libm::log10(reach).floor() as i32;
         let exponent = if (-2..6).contains(&magnitude) { 0 } else { magnitude.div_euclid(3) * 3 };
         let factor = 10_f64.powi(-exponent);
         let ends = [low, high].map(|value| (value - base) * factor);

@@ -14,7 +14,7 @@ pub fn brief(number: f64) -> String {
     if number == 0.0 || !number.is_finite() {
         return if number == 0.0 { "0".to_owned() } else { "–".to_owned() };
     }
-    let exponent = number.abs().log10().floor() as i32;
+    let exponent = libm::log10(number.abs()).floor() as i32;
     let text = if (-3..6).contains(&exponent) {
         let text = format!("{number:.*}", (2 - exponent).max(0) as usize);
         if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
@@ -29,8 +29,8 @@ pub fn estimate(value: f64, se: f64) -> String {
     if !(se.is_finite() && se > 0.0) {
         return brief(value);
     }
-    let largest = value.abs().max(se).log10().floor() as i32;
-    let (exponent, decimals) = (se.log10().floor() as i32, 1 - se.log10().floor() as i32);
+    let largest = libm::log10(value.abs().max(se)).floor() as i32;
+    let (exponent, decimals) = (libm::log10(se).floor() as i32, 1 - libm::log10(se).floor() as i32);
     if !(-4..6).contains(&largest) || !(-8..6).contains(&exponent) {
         return format!("{} ± {}", brief(value), brief(se));
     }

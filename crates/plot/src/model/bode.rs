@@ -52,10 +52,9 @@ pub fn bode(model: &Model, output: &str) -> [Chart; 2] {
         }
         let errors: Vec<_> = response.iter().map(|(omega, ..)| response_error(model, pair, class, *omega)).collect();
         bands += usize::from(errors.iter().any(Option::is_some));
-        let sizes = response
-            .iter()
-            .zip(&errors)
-            .map(|((omega, re, im), error)| (omega / TAU, re.hypot(*im), error.map(|error| error.log_magnitude)));
+        let sizes = response.iter().zip(&errors).map(|((omega, re, im), error)| {
+            (omega / TAU, libm::hypot(*re, *im), error.map(|error| error.log_magnitude))
+        });
         let degrees = unwound(&response);
         let whole = degrees.len();
         let degrees = degrees.into_iter().zip(&errors).filter(|((_, degrees), _)| *degrees >= LOWEST_PHASE);
@@ -82,7 +81,7 @@ pub fn bode(model: &Model, output: &str) -> [Chart; 2] {
 fn unwound(response: &[(f64, f64, f64)]) -> Vec<(f64, f64)> {
     let mut before = 0.0;
     let phase = response.iter().map(|&(omega, re, im)| {
-        let degrees = im.atan2(re).to_degrees();
+        let degrees = libm::atan2(im, re).to_degrees();
         before = degrees + 360.0 * ((before - degrees) / 360.0_f64).round();
         (omega, before)
     });
@@ -113,9 +112,9 @@ mod tests {
             let covariance = correlation * relative * se_rate;
             let se_log = (relative.powi(2) + 2.0 * of_log * covariance + (of_log * se_rate).powi(2)).sqrt();
             let se_degrees = (of_angle * se_rate).to_degrees();
-            assert!((size.mean - resistance / w.hypot(1.0)).abs() < 1e-9);
-            assert!(((size.most / size.mean).ln() - 1.96 * se_log).abs() < 1e-9, "{size:?}, {se_log}");
-            assert!(((size.mean / size.least).ln() - 1.96 * se_log).abs() < 1e-9, "{size:?}, {se_log}");
+            assert!((size.mean - resistance / libm::hypot(w, 1.0)).abs() < 1e-9);
+            assert!((libm::log(size.most / size.mean) - 1.96 * se_log).abs() < 1e-9, "{size:?}, {se_log}");
+            assert!((libm::log(size.mean / size.least) - 1.96 * se_log).abs() < 1e-9, "{size:?}, {se_log}");
             assert!((angle.most - angle.mean - 1.96 * se_degrees).abs() < 1e-9, "{angle:?}, {se_degrees}");
             inside += usize::from((0.1..10.0).contains(&w));
         }
@@ -126,7 +125,7 @@ mod tests {
     #[test]
     fn a_phase_goes_on_below_half_a_turn() {
         // A pure dead time of 1 s: −ω
-        let response: Vec<_> = (0..100).map(|n| f64::from(n) * 0.1).map(|w| (w, w.cos(), -w.sin())).collect();
+        let response: Vec<_> = (0..100).map(|n| f64::from(n) * 0.1).map(|w| (w, libm::cos(w), -libm::sin(w))).collect();
         for (omega, degrees) in unwound(&response) {
             assert!((degrees + omega.to_degrees()).abs() < 1e-9);
         }

@@ -76,8 +76,9 @@ pub fn band_within(curve: &[(f64, f64, Option<f64>)], by: f64, beyond: f64) -> V
 
 /// The same of a curve on a logarithmic axis; standard errors are those of the logarithm.
 pub fn log_band(curve: &[(f64, f64, Option<f64>)], by: f64) -> Vec<Bin> {
-    let logarithms: Vec<_> = curve.iter().map(|&(x, value, se)| (x, value.ln(), se)).collect();
-    let exp = |bin: Bin| Bin { least: bin.least.exp(), most: bin.most.exp(), mean: bin.mean.exp(), ..bin };
+    let logarithms: Vec<_> = curve.iter().map(|&(x, value, se)| (x, libm::log(value), se)).collect();
+    let exp =
+        |bin: Bin| Bin { least: libm::exp(bin.least), most: libm::exp(bin.most), mean: libm::exp(bin.mean), ..bin };
     band(&logarithms, by).into_iter().map(exp).collect()
 }
 
@@ -94,7 +95,7 @@ mod tests {
         assert_eq!((bins[2].least, bins[2].mean, bins[2].most), (5.0, 5.0, 5.0));
         let bins = log_band(&[(1.0, 1.0, Some(0.1)), (2.0, 100.0, Some(0.1))], 1.0);
         assert!(
-            (bins[0].most - 0.196_f64.exp()).abs() < 1e-12 && (bins[1].least - 100.0 * (-0.196_f64).exp()).abs() < 1e-9
+            (bins[0].most - libm::exp(0.196)).abs() < 1e-12 && (bins[1].least - 100.0 * libm::exp(-0.196)).abs() < 1e-9
         );
     }
 }

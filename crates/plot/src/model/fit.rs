@@ -228,7 +228,7 @@ fn with_unit(value: f64, name: &str) -> String {
     if name.is_empty() {
         return brief(value);
     }
-    let exponent = if value > 0.0 { (value.log10() / 3.0).floor() as i32 * 3 } else { 0 };
+    let exponent = if value > 0.0 { (libm::log10(value) / 3.0).floor() as i32 * 3 } else { 0 };
     let exponent = if (-9..0).contains(&exponent) { exponent } else { 0 };
     format!("{} {}", brief(value / 10_f64.powi(exponent)), unit(name, exponent))
 }

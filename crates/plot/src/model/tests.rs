@@ -151,7 +151,7 @@ fn whiteness() -> Whiteness {
 pub(crate) fn fit(name: &str, rows: u32, classes: u32) -> FitSeries {
     let mut fit = FitSeries::new(name, "°C");
     for n in 0..rows {
-        let truth = 20.0 + 5.0 * (f64::from(n) * 2e-3).sin();
+        let truth = 20.0 + 5.0 * libm::sin(f64::from(n) * 2e-3);
         let noise = 0.01 * (f64::from(n.wrapping_mul(2_654_435_761) >> 8) / 16_777_216.0 - 0.5);
         fit.push(f64::from(n) * 0.1, truth + noise, truth, (0.0, 0.0), (n / 900 % classes) as usize);
     }

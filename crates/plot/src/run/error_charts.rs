@@ -71,7 +71,7 @@ pub fn summary(all: &[WindBesideTruth], is_single: bool) -> Vec<Chart> {
 fn stated(all: &[WindBesideTruth], error_m_s: f64) -> f64 {
     let every = all.len().div_ceil(DOTS).max(1);
     let known = || all.iter().step_by(every).map(|of| of.speed_u_m_s).filter(|u| *u > 0.0);
-    let normal = |u: f64| (-0.5 * (error_m_s / u).powi(2)).exp() / (u * std::f64::consts::TAU.sqrt());
+    let normal = |u: f64| libm::exp(-0.5 * (error_m_s / u).powi(2)) / (u * std::f64::consts::TAU.sqrt());
     known().map(normal).sum::<f64>() / known().count().max(1) as f64
 }
 

@@ -97,10 +97,11 @@ fn wrapped(degrees: f64) -> f64 {
 /// Azimuths of vectors, as [`bins`] sorts them: that of the mean of their directions, with the
 /// least and the greatest on either side.
 pub fn azimuths(time_s: &[f64], wind: impl Fn(usize) -> Option<[f64; 3]>, count: usize) -> Vec<Bin> {
-    let heading = |i: usize| wind(i).map_or(f64::NAN, |[x, y, _]| y.atan2(x));
-    let cosines = bins(time_s, |i| heading(i).cos(), count);
-    let sines = bins(time_s, |i| heading(i).sin(), count);
-    let means: Vec<f64> = cosines.iter().zip(&sines).map(|(cos, sin)| sin.mean.atan2(cos.mean).to_degrees()).collect();
+    let heading = |i: usize| wind(i).map_or(f64::NAN, |[x, y, _]| libm::atan2(y, x));
+    let cosines = bins(time_s, |i| libm::cos(heading(i)), count);
+    let sines = bins(time_s, |i| libm::sin(heading(i)), count);
+    let means: Vec<f64> =
+        cosines.iter().zip(&sines).map(|(cos, sin)| libm::atan2(sin.mean, cos.mean).to_degrees()).collect();
     let rows = time_s.len();
     let count = count.min(rows);
     // Row i is in the bin that begins at or before it: bin·rows/count ≤ i, rounded down as in
@@ -153,7 +154,7 @@ mod tests {
 
     fn heading(degrees: f64) -> Option<[f64; 3]> {
         let radians = degrees.to_radians();
-        Some([3.0 * radians.cos(), 3.0 * radians.sin(), 1.0])
+        Some([3.0 * libm::cos(radians), 3.0 * libm::sin(radians), 1.0])
     }
 
     #[test]

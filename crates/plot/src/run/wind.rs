@@ -147,7 +147,7 @@ impl<'r> WindEstimates<'r> {
         let mut note = format!("{from}, where the wind goes to");
         if let Some(mounting) = HeadMounting::from_metadata(&self.recording.metadata, None, None).ok().flatten() {
             let [x, y, _] = self.comparison.in_frame(mounting.north());
-            note += &format!("; north is {:.0}°", y.atan2(x).to_degrees());
+            note += &format!("; north is {:.0}°", libm::atan2(y, x).to_degrees());
         }
         note
     }
@@ -160,16 +160,18 @@ impl<'r> WindEstimates<'r> {
         let mut charts = Vec::new();
         charts.extend(alone.then(|| self.speed_chart()));
         if let Some(axis) = self.comparison.axis.filter(|_| self.has_direction) {
-            let angle = |wind: [f64; 3], speed: f64| (dot(wind, axis) / speed).clamp(-1.0, 1.0).acos().to_degrees();
+            let angle =
+                |wind: [f64; 3], speed: f64| libm::acos((dot(wind, axis) / speed).clamp(-1.0, 1.0)).to_degrees();
             let chart = Chart::new("Angle to the head's axis", "°").note("0 goes to where the first surface looks");
             charts.push(self.direction(angle).narrow_chart(chart.height(25.0), 0.0, 180.0));
         } else if alone && self.has_direction && self.comparison.normal.is_some() {
             let azimuth = self.azimuth(self.uncertainty(DIRECTION_UNCERTAINTY));
             charts.push(azimuth.azimuth_chart(&self.azimuth_note()));
         } else if alone && self.has_direction {
-            let elevation = self.direction(|wind, _| (wind[2] / length(wind)).clamp(-1.0, 1.0).asin().to_degrees());
+            let elevation =
+                self.direction(|wind, _| libm::asin((wind[2] / length(wind)).clamp(-1.0, 1.0)).to_degrees());
             // The same uncertainty on the sphere is a greater one of the azimuth towards the poles.
-            let widen = |(up, of): (&Bin, &f64)| (of / up.mean.to_radians().cos().max(1e-3)).min(180.0);
+            let widen = |(up, of): (&Bin, &f64)| (of / libm::cos(up.mean.to_radians()).max(1e-3)).min(180.0);
             let uncertainty = elevation.estimate.iter().zip(&elevation.uncertainty).map(widen).collect();
             charts.push(self.azimuth(uncertainty).azimuth_chart(&self.azimuth_note()));
             let chart = Chart::new("Elevation", "°").note("above the xy plane").height(22.0);

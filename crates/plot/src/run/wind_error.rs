@@ -114,7 +114,7 @@ impl Comparison {
         }
         let angle_deg = if has_direction { self.angle_deg(wind_m_s, true_wind_m_s) } else { f64::NAN };
         let [x, y, _] = self.in_frame(true_wind_m_s);
-        let azimuth_deg = y.atan2(x).to_degrees();
+        let azimuth_deg = libm::atan2(y, x).to_degrees();
         Some(WindBesideTruth {
             time_s,
             speed_m_s,
@@ -199,7 +199,7 @@ pub(super) mod tests {
     fn azimuths_in_a_tilted_plane_begin_at_x_or_at_y() {
         let azimuth = |normal: [f64; 3], wind_m_s: [f64; 3]| {
             let [x, y, across] = Comparison { axis: None, normal: Some(normal) }.in_frame(wind_m_s);
-            (y.atan2(x).to_degrees(), across)
+            (libm::atan2(y, x).to_degrees(), across)
         };
         // The plane of x and y whichever way its normal points.
         assert_eq!(azimuth([0.0, 0.0, -1.0], [0.0, 2.0, 5.0]), (90.0, 5.0));

@@ -54,7 +54,7 @@ pub fn uv(wind: &FeedWind) -> String {
     if !wind.has_direction() {
         return framed("A,,,M,04,");
     }
-    let (sin, cos) = wind.from_deg.to_radians().sin_cos();
+    let (sin, cos) = libm::sincos(wind.from_deg.to_radians());
     let speed_m_s = wind.horizontal_m_s;
     // There is no −0: added to zero, it is +0.
     let rounded = |number: f64| (number * 100.0).round() / 100.0 + 0.0;
@@ -105,7 +105,7 @@ pub(crate) mod examples {
 
     /// A wind of `speed_m_s` from `from_deg`.
     pub fn wind(speed_m_s: f32, from_deg: f32, quality_flags: QualityFlags) -> FeedWind {
-        let (sin, cos) = from_deg.to_radians().sin_cos();
+        let (sin, cos) = libm::sincosf(from_deg.to_radians());
         let estimate = wire::WindSample {
             quality_flags,
             wind_m_s: [-speed_m_s * cos, speed_m_s * sin, 0.0],

@@ -33,7 +33,8 @@ pub fn welch(samples: &[f32], rate_hz: f64) -> Option<NoiseSpectrum> {
     if length < shortest || rate_hz.is_nan() || rate_hz <= 0.0 {
         return None;
     }
-    let hann: Vec<f64> = (0..length).map(|n| (std::f64::consts::PI * n as f64 / length as f64).sin().powi(2)).collect();
+    let hann: Vec<f64> =
+        (0..length).map(|n| libm::sin(std::f64::consts::PI * n as f64 / length as f64).powi(2)).collect();
     let weight: f64 = hann.iter().map(|w| w * w).sum();
     let transform = RealFftPlanner::<f64>::new().plan_fft_forward(length);
     let (mut input, mut output) = (transform.make_input_vec(), transform.make_output_vec());
@@ -63,7 +64,7 @@ pub fn welch(samples: &[f32], rate_hz: f64) -> Option<NoiseSpectrum> {
 fn averaged(bins: impl Iterator<Item = (usize, f64)>, step_hz: f64) -> NoiseSpectrum {
     let mut spectrum = NoiseSpectrum { frequency_hz: Vec::new(), density: Vec::new() };
     let mut group: Vec<(f64, f64)> = Vec::new();
-    let place = |bin: f64| (bin.log10() * PER_DECADE).floor();
+    let place = |bin: f64| (libm::log10(bin) * PER_DECADE).floor();
     let close = |group: &mut Vec<(f64, f64)>, spectrum: &mut NoiseSpectrum| {
         let count = group.len() as f64;
         if count > 0.0 {
@@ -112,7 +113,8 @@ mod tests {
     #[test]
     fn a_sine_stands_at_its_frequency_with_its_power() {
         // 12.5 Hz is a bin of 4096 samples at 100 Hz: 512; A²/2 is spread over three bins by Hann.
-        let sine: Vec<f32> = (0..16_384).map(|n| (std::f64::consts::TAU * 0.125 * f64::from(n)).sin() as f32).collect();
+        let sine: Vec<f32> =
+            (0..16_384).map(|n| libm::sin(std::f64::consts::TAU * 0.125 * f64::from(n)) as f32).collect();
         let spectrum = welch(&sine, 100.0).unwrap();
         let (at, _) = spectrum.density.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).unwrap();
         assert!((spectrum.frequency_hz[at] - 12.5).abs() < 0.4, "{}", spectrum.frequency_hz[at]);

@@ -180,7 +180,7 @@ impl PageState {
         let mean = bucket.mean();
         let towards = [x, x + 1, x + 2].map(|axis| f64::from(mean[axis]));
         // A vector of no length, or of none, has no direction.
-        (towards[0].hypot(towards[1]) > 0.0).then(|| self.layout.mounting.from_deg(towards))
+        (libm::hypot(towards[0], towards[1]) > 0.0).then(|| self.layout.mounting.from_deg(towards))
     }
 
     /// The samples of a channel since the last gap, evenly spaced.

@@ -44,7 +44,7 @@ const NAMES: [&str; 16] = [
 ];
 
 fn row(n: u32, state: &str) -> FeedItem {
-    let wave = (f64::from(n) * 0.01).sin() as f32;
+    let wave = libm::sin(f64::from(n) * 0.01) as f32;
     FeedItem::Row(Arc::new(FeedRow {
         time_s: f64::from(n) * 0.001,
         utc: SystemTime::now(),

@@ -180,7 +180,8 @@ impl Soundness {
         let mut found = Self { head: None, damaged: 0 };
         let (mut sum, mut line) = (0, Vec::new());
         while file.read_until(b'\n', &mut line)? > 0 {
-            if let Some(stated) = stated_checksum(&line) {
+            // A line that the end has cut may have lost digits.
+            if let Some(stated) = stated_checksum(&line).filter(|_| line.ends_with(b"\n")) {
                 found.head.get_or_insert(stated == sum);
                 found.damaged += u64::from(stated != sum);
                 // So that one damaged stretch does not put the following in doubt.

@@ -151,7 +151,8 @@ fn a_journal_may_end_anywhere() {
     let journal = kill(writer);
     let whole = std::fs::read(&journal).unwrap();
     let mut counts = Vec::new();
-    for end in (0..=whole.len()).rev().step_by(11).collect::<Vec<_>>().into_iter().rev() {
+    // The last line is a checksum, which may end in any of its digits.
+    for end in (0..=whole.len()).filter(|end| end % 11 == 0 || end + 30 > whole.len()) {
         // Blocks that the disk has not got are zeros, or missing.
         for zeros in [0, 700] {
             let mut cut = whole[..end].to_vec();

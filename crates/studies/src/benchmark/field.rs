@@ -5,7 +5,6 @@
 //! otherwise: how wrong the wind is, and whether the estimates say so.
 
 use anyhow::{Context as _, Result};
-use std::fmt;
 use std::path::Path;
 
 use anemometry::head::Head;
@@ -14,7 +13,6 @@ use anemometry::wind::field_correction::SlowErrorKind;
 use host_sim::experiment::Experiment;
 use host_sim::sensor::field::{DriftQuantity, ElementDrift, FieldEffects, Sun};
 use recording::text::count;
-use serde::Serialize;
 
 use super::field_judged::{EffectFigures, EffectTally, MODE, SETTLE_S, TITLES, TUNNEL_SETTLE_S, judge};
 use super::field_own;
@@ -39,7 +37,7 @@ const SKY_K: f64 = 0.5;
 const SLOW_SUN_S: f64 = 12_000.0;
 
 /// What `studies benchmark field` reports.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct FieldReport {
     /// How many specimens were calibrated.
     pub specimens: u64,
@@ -120,40 +118,24 @@ fn calibrated(quick: &StudyLab<'_>, seed: u64) -> Result<Head> {
 }
 
 impl FieldReport {
-    fn legend(&self) -> String {
-        format!(
-            "Sphere B, {}: identified and calibrated without any effect by `experiments/wind/quick`, judged in the winds of \
-             `experiments/field` at {MODE}, {SETTLE_S} s after each change. *95 % intervals*: how many of estimates without a flag \
-             hold the true value. *Unsaid*: estimates off by more than three standard uncertainties without a flag. \
-             *Corrected*: the same by [`--field-correction`](../explanation/slow-errors.md). Flags beside `inconsistent` are of \
-             winds near the stem, from where the short tunnel has none, of the strongest, which take all power, and under the sun \
-             of the beginning, which looks like a warm head's.",
-            count(self.specimens as usize, "specimen")
-        )
-    }
-
     /// The page of a day.
     pub fn page(&self, day: &str) -> String {
         let table =
             |effects: &[EffectFigures]| ResultTable::new(TITLES, effects.iter().map(EffectFigures::cells)).markdown();
         format!(
-            "# Effects of the field\n\nBy `cargo run --release -p studies -- benchmark field --specimens {}`, {day}. {}\n\n{}\n## In the tunnel, too\n\n{OWN}\n\n{}",
+            "# Effects of the field\n\nBy `cargo run --release -p studies -- benchmark field --specimens {}`, {day}. Sphere B, {}: \
+             identified and calibrated without any effect by `experiments/wind/quick`, judged in the winds of `experiments/field` \
+             at {MODE}, {SETTLE_S} s after each change. *95 % intervals*: how many of estimates without a flag hold the true value. \
+             *Unsaid*: estimates off by more than three standard uncertainties without a flag. *Corrected*: the same by \
+             [`--field-correction`](../explanation/slow-errors.md). Flags beside `inconsistent` are of winds near the stem, from \
+             where the short tunnel has none, of the strongest, which take all power, and under the sun of the beginning, which \
+             looks like a warm head's.\n\n{}\n## In the tunnel, too\n\nSpecimens that were identified in gas with film \
+             properties and calibrated with the effect, by `experiments/field/own`; air is identified at 10 hPa, and moves at \
+             1 013 hPa.\n\n{}",
             self.specimens,
-            self.legend(),
+            count(self.specimens as usize, "specimen"),
             table(&self.effects),
             table(&self.of_tunnels)
         )
-    }
-}
-
-/// What the second table is of.
-const OWN: &str = "Specimens that were identified in gas with film properties and calibrated with the effect, by \
-                   `experiments/field/own`; air is identified at 10 hPa, and moves at 1 013 hPa.";
-
-impl fmt::Display for FieldReport {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let all = self.effects.iter().chain(&self.of_tunnels).map(EffectFigures::cells);
-        let table = ResultTable::new(&TITLES.replace('`', ""), all).text();
-        writeln!(f, "{table}\n{} {OWN}", self.legend())
     }
 }

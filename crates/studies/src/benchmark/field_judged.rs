@@ -10,7 +10,6 @@ use anemometry::wind::off_line::axes;
 use anyhow::Result;
 use dr_core::wind::QualityFlags;
 use host_sim::experiment::Experiment;
-use serde::Serialize;
 use wire::WindSample;
 
 use super::field_correction::blow_corrected;
@@ -28,7 +27,7 @@ const BEYOND: f64 = 3.0;
 const BEYOND_OF_TWO: f64 = 3.44;
 
 /// What an effect does, over all specimens.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct EffectFigures {
     /// What is otherwise.
     pub effect: String,

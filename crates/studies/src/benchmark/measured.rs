@@ -9,7 +9,6 @@ use crate::table::ResultTable;
 use diffusive::identify::record::{RecordError, RecordStream, Selection};
 use diffusive::identify::validate::{ValidationStart, validate};
 use diffusive::identify::{IdentifyOptions, identify};
-use serde::Serialize;
 use std::fmt::{self, Display, Formatter};
 use std::path::{Path, PathBuf};
 
@@ -48,12 +47,10 @@ pub fn measured(tables: &[PathBuf], progress: &dyn Fn(&Path)) -> std::io::Result
 }
 
 /// What became of one part of a record.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredPart {
     /// The table's name.
     pub table: String,
-    /// Share of its rows that was identified.
-    pub share: f64,
     /// Why there is no prediction.
     pub refused: Option<String>,
     /// Share of the rest that is explained, %, at least 0; 0 without a prediction.
@@ -104,7 +101,6 @@ pub fn measure(table: &Path, share: f64) -> std::io::Result<MeasuredPart> {
     let name = table.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let part = MeasuredPart {
         table: name,
-        share,
         refused: None,
         fit_percent: 0.0,
         rmse: None,
@@ -138,7 +134,7 @@ const GOOD_PERCENT: f64 = 85.0;
 const RIGHT: f64 = 2.0;
 
 /// What was predicted, part by part.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredReport {
     /// Table by table, share by share.
     pub parts: Vec<MeasuredPart>,
@@ -193,23 +189,6 @@ impl MeasuredReport {
 
     /// As a page of the book. `day` is when it was measured.
     pub fn page(&self, day: &str) -> String {
-        format!(
-            "# Measured records, predicted\n\n\
-             Records of other people's rigs, which are no part of the project: the first 40, 50 and 60 % of their rows are \
-             identified without options, the rest is predicted and nothing of its output is used. Measured on {day} by\n\n\
-             ```\ncargo run --release -p studies -- benchmark measured --tables FOLDER\n```\n\n{self}"
-        )
-    }
-}
-
-impl Display for Count {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        write!(f, "{} of {}", self.own, self.all)
-    }
-}
-
-impl Display for MeasuredReport {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let row = |of: &[MeasuredPart]| {
             let listed = |text: &dyn Fn(&MeasuredPart) -> String| of.iter().map(text).collect::<Vec<_>>().join(", ");
             let fits = listed(&|part| format!("{:.1}", part.fit_percent));
@@ -226,15 +205,27 @@ impl Display for MeasuredReport {
         };
         let rows = self.parts.chunk_by(|one, next| one.table == next.table).map(row);
         let head = "record | fit of the rest, % | error said / error come | warned";
-        writeln!(f, "{}", ResultTable::new(head, rows).markdown())?;
-        writeln!(f, "- mean fit {:.1} %; what is refused counts as 0", self.mean_fit_percent())?;
-        writeln!(
-            f,
-            "- error said over error come: {:.2} in the median, within a factor of {RIGHT} in {}",
+        format!(
+            "# Measured records, predicted\n\n\
+             Records of other people's rigs, which are no part of the project: the first 40, 50 and 60 % of their rows are \
+             identified without options, the rest is predicted and nothing of its output is used. Measured on {day} by\n\n\
+             ```\ncargo run --release -p studies -- benchmark measured --tables FOLDER\n```\n\n{}\n\
+             - mean fit {:.1} %; what is refused counts as 0\n\
+             - error said over error come: {:.2} in the median, within a factor of {RIGHT} in {}\n\
+             - warned of fits below {POOR_PERCENT} %: {}\n\
+             - warned of fits above {GOOD_PERCENT} %: {}\n",
+            ResultTable::new(head, rows).markdown(),
+            self.mean_fit_percent(),
             self.median_ratio(),
-            self.said_right()
-        )?;
-        writeln!(f, "- warned of fits below {POOR_PERCENT} %: {}", self.warned_of_poor())?;
-        writeln!(f, "- warned of fits above {GOOD_PERCENT} %: {}", self.warned_of_good())
+            self.said_right(),
+            self.warned_of_poor(),
+            self.warned_of_good()
+        )
+    }
+}
+
+impl Display for Count {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "{} of {}", self.own, self.all)
     }
 }

@@ -13,7 +13,7 @@ use studies::benchmark::heads;
 use studies::benchmark::measured;
 use studies::benchmark::mems;
 use studies::benchmark::modes;
-use studies::benchmark::wind::{self, BenchmarkReport, page};
+use studies::benchmark::wind::{self, page};
 
 use super::output::{self, announce};
 
@@ -48,7 +48,7 @@ use super::output::{self, announce};
 #[command(after_help = "\
 Examples:
   studies benchmark wind
-  studies benchmark wind -o out --heads out/heads --json
+  studies benchmark wind -o out --heads out/heads
   studies benchmark drift --records 50
   studies benchmark measured --tables records
   studies benchmark modes --head heads/sphere-b.toml -o out
@@ -90,9 +90,6 @@ pub struct Arguments {
     /// Also write the calibrated heads into this folder.
     #[arg(long, value_name = "FOLDER")]
     heads: Option<PathBuf>,
-    /// Print one JSON object instead of the tables.
-    #[arg(long)]
-    json: bool,
 }
 
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
@@ -118,7 +115,6 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     }
 }
 
-/// The table goes into a page of the folder, dated.
 fn drift_benchmark(arguments: &Arguments) -> Result<()> {
     let mut kinds = Vec::new();
     for room in RoomDrift::ALL {
@@ -127,8 +123,7 @@ fn drift_benchmark(arguments: &Arguments) -> Result<()> {
         kinds.push(DriftFigures::of(room, &outcomes));
     }
     let report = DriftReport { kinds };
-    dated(&arguments.output, "drift.md", &|day| report.page(day, arguments.records))?;
-    output::print_report(&report, arguments.json)
+    dated(&arguments.output, "drift.md", &|day| report.page(day, arguments.records))
 }
 
 fn measured_benchmark(arguments: &Arguments) -> Result<()> {
@@ -137,8 +132,7 @@ fn measured_benchmark(arguments: &Arguments) -> Result<()> {
     let tables = measured::tables(folder).with_context(unread)?;
     ensure!(!tables.is_empty(), "{}: holds no .csv table", folder.display());
     let report = measured::measured(&tables, &|path| announce(&path.display().to_string())).with_context(unread)?;
-    dated(&arguments.output, "measured.md", &|day| report.page(day))?;
-    output::print_report(&report, arguments.json)
+    dated(&arguments.output, "measured.md", &|day| report.page(day))
 }
 
 fn modes_benchmark(arguments: &Arguments) -> Result<()> {
@@ -154,7 +148,6 @@ fn modes_benchmark(arguments: &Arguments) -> Result<()> {
     }
     if !report.heads.is_empty() {
         dated(&arguments.output, "modes.md", &|day| report.page(day))?;
-        output::print_report(&report, arguments.json)?;
     }
     failed
 }
@@ -162,16 +155,14 @@ fn modes_benchmark(arguments: &Arguments) -> Result<()> {
 fn field_benchmark(arguments: &Arguments) -> Result<()> {
     output::is_experiments(&arguments.experiments)?;
     let report = field::measure(&arguments.experiments, arguments.specimens, &announce)?;
-    dated(&arguments.output, "field.md", &|day| report.page(day))?;
-    output::print_report(&report, arguments.json)
+    dated(&arguments.output, "field.md", &|day| report.page(day))
 }
 
 fn mems_benchmark(arguments: &Arguments) -> Result<()> {
     let folder = &arguments.output;
     output::make_folder(folder)?;
     let report = mems::measure(&arguments.experiments, folder, &announce)?;
-    dated(folder, "mems.md", &|day| report.page(day))?;
-    output::print_report(&report, arguments.json)
+    dated(folder, "mems.md", &|day| report.page(day))
 }
 
 /// Heads of every kind, or those that are given, in a folder that goes again.
@@ -206,8 +197,7 @@ fn heads_benchmark(arguments: &Arguments) -> Result<()> {
         }
         false => ("heads.md", "Heads of every form", "cargo run --release -p studies -- benchmark heads"),
     };
-    dated(&arguments.output, file, &|day| report.page(title, command, day))?;
-    output::print_report(&report, arguments.json)
+    dated(&arguments.output, file, &|day| report.page(title, command, day))
 }
 
 /// Writes a page of results that says the day.
@@ -230,7 +220,7 @@ fn wind_benchmark(arguments: &Arguments) -> Result<()> {
             output::write_text(&folder.join(format!("{}-calibrated.toml", of.sphere.folder)), &of.text)?;
         }
     }
-    output::print_report(&BenchmarkReport(&all), arguments.json)
+    Ok(())
 }
 
 /// Reads a finite number above 0.

@@ -1,6 +1,5 @@
 //! What both commands print and write.
 
-use std::fmt::Display;
 use std::io::{ErrorKind, IsTerminal as _, Write as _};
 use std::path::Path;
 
@@ -19,11 +18,6 @@ pub fn print(text: &str) -> Result<()> {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error).context("the result cannot be printed"),
         _ => Ok(()),
     }
-}
-
-/// Prints a report: as one JSON object, or as text.
-pub fn print_report(report: &(impl serde::Serialize + Display), json: bool) -> Result<()> {
-    if json { print(&format!("{}\n", serde_json::to_string(report)?)) } else { print(&report.to_string()) }
 }
 
 /// Writes a text file, in whole or not at all.

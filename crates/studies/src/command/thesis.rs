@@ -7,7 +7,7 @@ use host_sim::experiment::Experiment;
 use host_sim::run::RunError;
 use recording::text::suggest;
 use recording::toml_file::FileError;
-use studies::thesis::{STUDIES, Study, StudyLab, ThesisReport, page};
+use studies::thesis::{STUDIES, Study, StudyLab, page};
 
 use super::output::{self, announce};
 
@@ -35,9 +35,6 @@ pub struct Arguments {
     /// The folder with the experiments.
     #[arg(long, value_name = "FOLDER", default_value = "experiments/thesis")]
     experiments: PathBuf,
-    /// Print one JSON object instead of the tables.
-    #[arg(long)]
-    json: bool,
 }
 
 pub fn execute(arguments: &Arguments) -> Result<()> {
@@ -66,8 +63,9 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     if arguments.names.is_empty() {
         page::write_index(&arguments.output, &done)?;
     }
-    let report = ThesisReport { studies: done, folder: arguments.output.clone() };
-    output::print_report(&report, arguments.json)
+    let scores = done.iter().map(|(_, findings)| findings.score());
+    let (bars, met) = scores.fold((0, 0), |sum, score| (sum.0 + score.0, sum.1 + score.1));
+    output::print(&format!("{met} of {bars} bars met; pages and pictures are in {}\n", arguments.output.display()))
 }
 
 /// Reads every experiment of the folder, so that no study begins, and no page is written, while one
@@ -104,7 +102,7 @@ mod tests {
 
     fn refused(output: PathBuf, experiments: PathBuf) -> String {
         let names = vec!["rems-self".to_owned()];
-        execute(&Arguments { names, list: false, output, experiments, json: false }).unwrap_err().to_string()
+        execute(&Arguments { names, list: false, output, experiments }).unwrap_err().to_string()
     }
 
     #[test]

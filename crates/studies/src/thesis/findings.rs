@@ -1,10 +1,9 @@
 //! What a study found: published values, ours, and the bar between them.
 
 use plot::{Chart, Figure};
-use serde::{Serialize, Serializer};
 
 /// One line of a study's table.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct StudyFinding {
     /// What the value is of.
     pub what: String,
@@ -55,19 +54,6 @@ pub struct StudyFindings {
     pub findings: Vec<StudyFinding>,
     /// The picture.
     pub figure: Figure,
-}
-
-impl Serialize for StudyFindings {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        #[derive(Serialize)]
-        struct FindingsJson<'a> {
-            bars: usize,
-            met: usize,
-            findings: &'a [StudyFinding],
-        }
-        let (bars, met) = self.score();
-        FindingsJson { bars, met, findings: &self.findings }.serialize(serializer)
-    }
 }
 
 impl StudyFindings {

@@ -179,7 +179,7 @@ mod tests {
         let model = testing::model(&[0.1, 2.0], &[30.0, 4.0]);
         let bit = |n: u32| n % 7 < 3 || n % 31 < 9;
         let power_w: Vec<f64> = (0..4000).map(|n| if bit(n / 4) { 0.04 } else { 0.005 }).collect();
-        let (mut x, g) = ([0.005; 2], [0.1, 2.0].map(|rate: f64| -(-rate * 0.1).exp_m1()));
+        let (mut x, g) = ([0.005; 2], [0.1, 2.0].map(|rate: f64| -libm::expm1(-rate * 0.1)));
         let step = |u: &f64| {
             let y = 20.0 + 30.0 * x[0] + 4.0 * x[1];
             (0..2).for_each(|k| x[k] += g[k] * (u - x[k]));

@@ -8,7 +8,6 @@
 //! | [`findings`] | a published value, ours, and the bar between them |
 //! | `settling` | how fast a step is answered, from noisy streams |
 //! | [`page`], `pages/` | what is written: a page and a picture a study, and the templates of the pages |
-//! | [`report`] | what is printed: a table for people, and JSON |
 //! | `catalogue` | the list of studies |
 //! | `rems` | what the studies of that transducer share |
 //! | `rems_…`, `sphere_…` | the studies, one file each |
@@ -28,7 +27,6 @@ mod rems_cross;
 mod rems_dice;
 mod rems_loops;
 mod rems_self;
-pub mod report;
 mod settling;
 mod sphere_identification;
 mod sphere_response;
@@ -36,4 +34,3 @@ mod sphere_response;
 pub use catalogue::{STUDIES, Study};
 pub use findings::StudyFindings;
 pub use lab::StudyLab;
-pub use report::ThesisReport;

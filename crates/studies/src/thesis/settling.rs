@@ -112,7 +112,7 @@ mod tests {
     fn stream(steps: usize) -> (Vec<f64>, Vec<usize>) {
         let of = |step: usize, n: usize| {
             let time_s = n as f64 * 1e-3;
-            let lag = (-time_s / 0.1).exp();
+            let lag = libm::exp(-time_s / 0.1);
             let share = if step % 2 == 1 { 1.0 - lag } else { lag };
             20.0 + 10.0 * share + if (n + step / 2).is_multiple_of(2) { 20.0 } else { -20.0 }
         };
@@ -128,7 +128,7 @@ mod tests {
         let found = StepResponse::of(&values, &steps, window, 1e-3);
         assert!((found.before - 20.0).abs() < 0.01 && (found.finally - 30.0).abs() < 0.01, "{found:?}");
         for share in SHARES {
-            let exact_s = 0.1 * (100.0 / share).ln();
+            let exact_s = 0.1 * libm::log(100.0 / share);
             let own_s = found.settled_s(share).unwrap();
             assert!((own_s - exact_s).abs() < found.resolution_s, "{share} %: {own_s} s, exactly {exact_s} s");
         }

@@ -19,7 +19,7 @@ use diffusive::model::pair_class::PairClass;
 use diffusive::predict::analysis::{Analysis, LoopConditions, analyse};
 use diffusive::predict::loop_model::LoopModel;
 use host_sim::experiment::Experiment;
-use nalgebra::Complex;
+use nalgebra::{Complex, ComplexField as _};
 use plot::{Chart, Scale, Trace, brief};
 
 /// The spheres' set-point, °C.
@@ -175,7 +175,7 @@ fn analysed(model: &Model, loops: &Experiment) -> Result<Analysis> {
 
 /// The slowest zero that weighs something, rad/s.
 fn slowest(analysis: &Analysis) -> Option<(f64, f64)> {
-    let weighty = analysis.zeros.iter().filter(|(_, weight)| weight.norm() >= MATTERS);
+    let weighty = analysis.zeros.iter().filter(|(_, weight)| weight.modulus() >= MATTERS);
     weighty.map(|(rate, weight)| (rate.re, weight.re)).min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
@@ -225,7 +225,7 @@ fn judge(findings: &mut StudyFindings, spheres: &[IdentifiedSphere]) {
 /// between the pole below and the zero.
 fn of_one_bit(points: &[(f64, f64)], zero_rad_s: f64, period_s: f64) -> f64 {
     let poles = || points.iter().map(|(hz, r)| (TAU * hz, *r));
-    let s: f64 = poles().map(|(rate, r)| -r * (-rate * period_s).exp_m1()).sum();
+    let s: f64 = poles().map(|(rate, r)| -r * libm::expm1(-rate * period_s)).sum();
     let sum = |mu: f64| s + poles().map(|(rate, r)| rate * r / (rate - mu)).sum::<f64>();
     let below = poles().map(|(rate, _)| rate).filter(|rate| *rate < zero_rad_s).fold(0.0, f64::max);
     let (mut low, mut high) = (below, zero_rad_s);
@@ -247,7 +247,7 @@ fn predicted(findings: &mut StudyFindings, of: &IdentifiedSphere, measured: &Ste
     let sampled = of_one_bit(&wind.together.points, rate, period_s);
     let mut times: [Vec<String>; 3] = Default::default();
     for share in SHARES {
-        let constants = (100.0 / share).ln();
+        let constants = libm::log(100.0 / share);
         let (own_s, seen_s) = (constants / sampled, measured.settled_s(share));
         times[0].push(brief(constants / rate));
         times[1].push(match seen_s {
@@ -272,7 +272,7 @@ mod tests {
         // Silver of 0.118 J/K behind 2 W/K and a chip without capacity to speak of: C (R + S) is
         // the loop's time constant.
         let points = [(0.01 / TAU, 800.0), (400.0 / TAU, 0.47)];
-        let chip = 1.0 - (-0.4_f64).exp();
+        let chip = 1.0 - libm::exp(-0.4);
         let s = 800.0 * 1e-5 + 0.47 * chip;
         let limit = slow_zero(&points);
         let found = of_one_bit(&points, limit, 1e-3);

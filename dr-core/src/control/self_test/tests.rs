@@ -105,7 +105,7 @@ impl TestHead {
         let powers_w: [f64; ELEMENTS] = core::array::from_fn(|i| self.current_a(i).powi(2) * self.ohm(i));
         for (i, power_w) in powers_w.into_iter().enumerate() {
             for (x, rate) in self.states_w[self.heats[i]].iter_mut().zip(rates) {
-                *x += (1.0 - (-f64::from(rate) * f64::from(PERIOD_S)).exp()) * (power_w - *x);
+                *x += (1.0 - libm::exp(-f64::from(rate) * f64::from(PERIOD_S))) * (power_w - *x);
             }
         }
     }

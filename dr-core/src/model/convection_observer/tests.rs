@@ -195,7 +195,7 @@ fn its_bandwidth_is_the_same_at_any_duty_cycle() {
 
 #[test]
 fn its_slowest_time_is_that_of_its_slowest_pair() {
-    let of = |rate_rad_s: f64| (-1.0 / (-rate_rad_s * f64::from(PERIOD_S)).exp_m1()) as f32;
+    let of = |rate_rad_s: f64| (-1.0 / libm::expm1(-rate_rad_s * f64::from(PERIOD_S))) as f32;
     assert!((pair().slowest_ticks() / of(0.25) - 1.0).abs() < 1e-6);
     let mut alone = ConvectionObserver::<2>::default();
     alone.set_self_heating(1, &own(300.0), PERIOD_S).unwrap();

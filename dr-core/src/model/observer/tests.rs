@@ -96,7 +96,7 @@ fn forgetting_rad_s(measured: bool) -> f64 {
         }
         (f64::from(seen) - bench.true_equivalent_w()).abs()
     };
-    (error_w(10_000) / error_w(10_000)).ln() / 100.0
+    libm::log(error_w(10_000) / error_w(10_000)) / 100.0
 }
 
 #[test]

@@ -42,8 +42,8 @@ fn the_shares_of_speed_and_direction_add_along_and_across_the_wind() {
     let speed = 32_f32.sqrt();
     let (along, across) = (0.025 * speed, 0.011 * speed);
     let found = SHARES.added_to(wind([0.6 * speed, 0.0, -0.8 * speed], 0.5), &measured(1.0), &SCALE, MOST_RAD);
-    near(found.speed_error_m_s, along.hypot(1e-3));
-    near(found.direction_error_rad, (across / speed).hypot(1e-3 / speed));
+    near(found.speed_error_m_s, libm::hypotf(along, 1e-3));
+    near(found.direction_error_rad, libm::hypotf(across / speed, 1e-3 / speed));
     let c = found.covariance_m2_s2;
     near(c[0][0], 1e-6 + 0.36 * along * along + 0.64 * across * across);
     near(c[1][1], 1e-6 + across * across);
@@ -55,8 +55,8 @@ fn the_shares_of_speed_and_direction_add_along_and_across_the_wind() {
 #[test]
 fn below_the_calibration_errors_keep_their_size_and_above_their_share() {
     let at = |speed: f32| SHARES.added_to(wind([speed, 0.0, 0.0], 0.5), &measured(1.0), &SCALE, MOST_RAD);
-    near(at(0.25).speed_error_m_s, 0.02_f32.hypot(1e-3));
-    near(at(0.25).direction_error_rad, 0.04_f32.hypot(4e-3));
+    near(at(0.25).speed_error_m_s, libm::hypotf(0.02, 1e-3));
+    near(at(0.25).direction_error_rad, libm::hypotf(0.04, 4e-3));
     near(at(80.0).speed_error_m_s, 3.2);
     assert!(at(0.03).quality.has(QualityFlags::NO_DIRECTION), "0.33 rad");
     let still = at(0.0);

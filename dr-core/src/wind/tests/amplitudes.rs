@@ -14,12 +14,12 @@ fn interpolates_between_its_points() {
     for (from, to, tolerance) in [(1.0_f64, 165.0_f64, 1e-3), (165.0, 200.0, 3e-3)] {
         let (mut worst, mut worst_slope) = ([0.0_f64; ORDERS], 0.0_f64);
         for k in 1..5000 {
-            let re = f64::from((from * (to / from).powf(f64::from(k) / 5000.0)) as f32);
+            let re = f64::from((from * libm::pow(to / from, f64::from(k) / 5000.0)) as f32);
             let (found, exact) = (nusselt.amplitudes(re as f32), amplitudes(re));
             for n in 0..ORDERS {
                 worst[n] = worst[n].max((f64::from(found.value[n]) - exact[n]).abs());
             }
-            let slope = (amplitudes(re * 1.0001)[0] - amplitudes(re / 1.0001)[0]) / (2.0 * 1.0001_f64.ln());
+            let slope = (amplitudes(re * 1.0001)[0] - amplitudes(re / 1.0001)[0]) / (2.0 * libm::log(1.0001));
             worst_slope = worst_slope.max((f64::from(found.slope[0]) / slope - 1.0).abs());
         }
         std::println!(
@@ -40,7 +40,7 @@ fn the_slope_is_that_of_the_value_and_the_edges_join() {
     let h = 1e-3_f64;
     for re in [0.01, 0.3, 0.9, 1.7, 10.0, 63.0, 199.0, 230.0, 1000.0, 2e4] {
         let at = |re: f64| nusselt.amplitudes(re as f32);
-        let (low, middle, high) = (at(re * (-h).exp()), at(re), at(re * h.exp()));
+        let (low, middle, high) = (at(re * libm::exp(-h)), at(re), at(re * libm::exp(h)));
         for n in 0..ORDERS {
             let difference = f64::from(high.value[n] - low.value[n]) / (2.0 * h);
             // Rounding of the values, over 2 h.

@@ -56,7 +56,7 @@ fn answered(wind_m_s: [f32; 3], noise: f32, left_out: Option<usize>) -> WindEsti
 }
 
 fn wind(speed_m_s: f32, degrees: f32) -> [f32; 3] {
-    let (sine, cosine) = degrees.to_radians().sin_cos();
+    let (sine, cosine) = libm::sincosf(degrees.to_radians());
     [speed_m_s * cosine, speed_m_s * sine, 0.0]
 }
 

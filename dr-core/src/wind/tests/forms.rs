@@ -17,8 +17,8 @@ const NORTH: [f32; 3] = [0.0, 0.0, 1.0];
 /// King's law, with the amplitudes of a smooth dependence on the angle.
 fn king(angular: [f32; 5]) -> NusseltConfig {
     let amplitudes = core::array::from_fn(|j| {
-        let reynolds = 200_f32.powf(j as f32 / 31.0);
-        let forced = 0.6 * reynolds.powf(0.47);
+        let reynolds = libm::powf(200.0, j as f32 / 31.0);
+        let forced = 0.6 * libm::powf(reynolds, 0.47);
         let mut row = [0.5 + forced, 0.0, 0.0, 0.0, 0.0, 0.0];
         row[1..].iter_mut().zip(angular).for_each(|(a, share)| *a = share * forced);
         row
@@ -27,7 +27,7 @@ fn king(angular: [f32; 5]) -> NusseltConfig {
 }
 
 fn at_angle(angle: f64) -> [f32; 3] {
-    [angle.cos() as f32, angle.sin() as f32, 0.0]
+    [libm::cos(angle) as f32, libm::sin(angle) as f32, 0.0]
 }
 
 fn surface(angle: f64, means: [f32; 5]) -> SurfaceConfig {
@@ -39,7 +39,7 @@ fn sectors(count: usize) -> Vec<SurfaceConfig> {
     let half = PI / count as f64;
     let means = core::array::from_fn(|m| {
         let x = (m + 1) as f64 * half;
-        (x.sin() / x) as f32
+        (libm::sin(x) / x) as f32
     });
     (0..count).map(|i| surface(TAU * i as f64 / count as f64, means)).collect()
 }
@@ -74,7 +74,7 @@ fn wires_find_the_wind_that_they_face_whatever_the_last_one_was() {
     for n in 0..60 {
         let last = at_angle(0.3 + 1.618 * n as f64).map(|x| 3.0 * x);
         // Between the two axes: into that the wind blows which they face.
-        let wind = at_angle(PI + 0.3 + PI / 4.0 + 0.6 * (2.4 * n as f64).sin()).map(|x| 4.0 * x);
+        let wind = at_angle(PI + 0.3 + PI / 4.0 + 0.6 * libm::sin(2.4 * n as f64)).map(|x| 4.0 * x);
         let measured = head.conductances(&gas, wind).map(|of| {
             let error_w_k = SHARE as f32 * of.conductance_w_k;
             Some(MeasuredConductance { conductance_w_k: of.conductance_w_k, variance_w2_k2: error_w_k * error_w_k })

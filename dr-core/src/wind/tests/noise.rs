@@ -39,7 +39,7 @@ fn errors_lie_within_the_stated_covariance() {
         let (mut chi_square, mut direction_2, mut speed_2) = (0.0, 0.0, 0.0);
         for n in 0..DRAWS {
             let speed = if least_speed < 1.0 {
-                least_speed * (9.0 / least_speed).powf(random.even())
+                least_speed * libm::pow(9.0 / least_speed, random.even())
             } else {
                 1.0 + 8.0 * random.even()
             };

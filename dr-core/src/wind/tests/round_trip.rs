@@ -12,7 +12,7 @@ use std::vec::Vec;
 pub fn degrees_between(a: [f64; 3], b: [f64; 3]) -> f64 {
     let (a, b) = (unit(a), unit(b));
     let chord: [f64; 3] = core::array::from_fn(|k| a[k] - b[k]);
-    (2.0 * (0.5 * dot(chord, chord).sqrt()).min(1.0).asin()).to_degrees()
+    (2.0 * libm::asin((0.5 * dot(chord, chord).sqrt()).min(1.0))).to_degrees()
 }
 
 /// −Σ G_i n_i

@@ -21,7 +21,7 @@ fn integrated<const N: usize>(surfaces: &[SurfaceConfig; N], reynolds: f64, from
     for k in 0..COUNT {
         let z = 1.0 - (2.0 * k as f64 + 1.0) / COUNT as f64;
         let r = (1.0 - z * z).sqrt();
-        let point = [r * (golden * k as f64).cos(), r * (golden * k as f64).sin(), z];
+        let point = [r * libm::cos(golden * k as f64), r * libm::sin(golden * k as f64), z];
         let owner = (0..N).max_by(|&i, &j| dot(point, axes[i]).total_cmp(&dot(point, axes[j]))).unwrap();
         let p = legendre(dot(point, from));
         sums[owner] += (0..ORDERS).map(|n| a[n] * p[n]).sum::<f64>();
@@ -54,7 +54,7 @@ fn conductances_agree_with_f64_and_their_gradients_with_differences() {
     let (gas, pressure_pa) = (carbon_dioxide(1000.0), 1000.0);
     let (mut worst, mut worst_gradient) = (0.0_f64, 0.0_f64);
     for _ in 0..500 {
-        let speed = 0.05 * 180.0_f64.powf(random.even());
+        let speed = 0.05 * libm::pow(180.0, random.even());
         let wind = random.direction().map(|x| f64::from((speed * x) as f32));
         let exact = conductances(&tetrahedral_sectors(0.01), pressure_pa, wind);
         let found = sphere_b().conductances(&gas, narrow(wind));

@@ -59,11 +59,13 @@ pub fn published() -> NusseltConfig {
 }
 
 pub fn sampled(least: f64, most: f64) -> NusseltConfig {
-    let step = (most / least).ln() / (POINTS - 1) as f64;
+    let step = libm::log(most / least) / (POINTS - 1) as f64;
     NusseltConfig {
         least_reynolds: least as f32,
         most_reynolds: most as f32,
-        amplitudes: core::array::from_fn(|j| amplitudes((least * (step * j as f64).exp()).min(most)).map(|a| a as f32)),
+        amplitudes: core::array::from_fn(|j| {
+            amplitudes((least * libm::exp(step * j as f64)).min(most)).map(|a| a as f32)
+        }),
     }
 }
 
@@ -76,10 +78,10 @@ pub fn amplitudes(reynolds: f64) -> [f64; ORDERS] {
         return a;
     }
     if reynolds > last.0 {
-        return last.1.map(|a| a * (reynolds / last.0).powf(0.42));
+        return last.1.map(|a| a * libm::pow(reynolds / last.0, 0.42));
     }
-    let x: Vec<f64> = TABLE.iter().map(|row| row.0.ln()).collect();
-    let at = reynolds.ln();
+    let x: Vec<f64> = TABLE.iter().map(|row| libm::log(row.0)).collect();
+    let at = libm::log(reynolds);
     let i = x.partition_point(|&x| x <= at).clamp(1, x.len() - 1) - 1;
     let h = x[i + 1] - x[i];
     let (a, b) = ((x[i + 1] - at) / h, (at - x[i]) / h);
@@ -180,15 +182,15 @@ impl TestRandom {
 
     /// Standard normal (Box and Muller).
     pub fn normal(&mut self) -> f64 {
-        let radius = (-2.0 * (1.0 - self.even()).ln()).sqrt();
-        radius * (core::f64::consts::TAU * self.even()).cos()
+        let radius = (-2.0 * libm::log(1.0 - self.even())).sqrt();
+        radius * libm::cos(core::f64::consts::TAU * self.even())
     }
 
     /// A direction outside a cone of 20° about the stem, which points to −z.
     pub fn direction(&mut self) -> [f64; 3] {
         loop {
             let v = unit([self.normal(), self.normal(), self.normal()]);
-            if v[2].abs() < 20.0_f64.to_radians().cos() {
+            if v[2].abs() < libm::cos(20.0_f64.to_radians()) {
                 return v;
             }
         }

@@ -107,7 +107,7 @@ impl Boom {
             shape: *shape,
             conductivity_w_m_k: k,
             reynolds: gas.reynolds(1.0, 1.0),
-            prandtl_third: prandtl.cbrt(),
+            prandtl_third: libm::cbrt(prandtl),
             cylinder: cylinder_factor(prandtl),
             card_still_w_m2_k: plate(shape.card_width_m) * k / shape.card_width_m,
             head_still_w_m2_k: cylinder(shape.head_diameter_m) * k / shape.head_diameter_m,
@@ -211,7 +211,7 @@ fn die_area_m2(shape: &BoomShape) -> f64 {
 /// looks up, the others 120° on.
 fn card_normal(i: usize) -> [f64; 3] {
     let angle = PI * (0.5 + 2.0 * i as f64 / CARDS as f64);
-    [0.0, angle.cos(), angle.sin()]
+    [0.0, libm::cos(angle), libm::sin(angle)]
 }
 
 #[cfg(test)]
@@ -264,7 +264,7 @@ mod tests {
         let still = conductance([0.0; 3])[0];
         for (wind, speed) in [([-2.0, 0.0, 0.0], 2.0), ([2.0, 0.0, 0.0], 0.6)] {
             let all = conductance(wind);
-            let nusselt = 0.664 * gas.reynolds(speed, 1.5e-3).sqrt() * gas.prandtl().cbrt();
+            let nusselt = 0.664 * gas.reynolds(speed, 1.5e-3).sqrt() * libm::cbrt(gas.prandtl());
             let layer = nusselt * gas.conductivity_w_m_k / 1.5e-3 * 3.75e-6;
             // The mean of front and rear.
             let mean = all[..DICE_PER_CARD].iter().sum::<f64>() / 4.0 - still;
@@ -296,7 +296,7 @@ mod tests {
     fn a_third_of_a_turn_changes_nothing_but_the_numbers_of_the_cards() {
         let wind = |degrees: f64| {
             let angle = degrees.to_radians();
-            [0.8, 3.0 * angle.cos(), 3.0 * angle.sin()]
+            [0.8, 3.0 * libm::cos(angle), 3.0 * libm::sin(angle)]
         };
         let (one, turned) = (conductance(wind(17.0)), conductance(wind(137.0)));
         for (i, die) in one[..DICE].iter().enumerate() {

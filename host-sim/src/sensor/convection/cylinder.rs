@@ -88,7 +88,7 @@ impl Cylinder {
         self.gas = *gas;
         self.factor = cylinder_factor(gas.prandtl());
         self.reynolds_per_speed = gas.reynolds(1.0, self.shape.diameter_m);
-        self.stagnation = 1.14 * gas.prandtl().powf(0.4);
+        self.stagnation = 1.14 * libm::pow(gas.prandtl(), 0.4);
     }
 
     /// Surface of a sector, or of all, m².
@@ -142,7 +142,8 @@ impl Cylinder {
         (1..HARMONICS)
             .map(|m| {
                 let order = m as f64;
-                let mean = ((order * (end - from)).sin() - (order * (start - from)).sin()) / (order * (end - start));
+                let mean =
+                    (libm::sin(order * (end - from)) - libm::sin(order * (start - from))) / (order * (end - start));
                 (front * self.front[m] + behind * self.rear[m]) * mean
             })
             .sum()
@@ -151,7 +152,7 @@ impl Cylinder {
 
 /// Angle of a direction around the axis, rad.
 fn angle([first, second]: [[f64; 3]; 2], direction: [f64; 3]) -> f64 {
-    dot(direction, second).atan2(dot(direction, first))
+    libm::atan2(dot(direction, second), dot(direction, first))
 }
 
 /// Ends of the sector around every angle: halfway to its neighbours.
@@ -187,9 +188,9 @@ fn coefficients() -> [[f64; HARMONICS]; 2] {
     let share = |m: usize| if m == 0 { 1.0 / PI } else { 2.0 / PI };
     [
         std::array::from_fn(|m| {
-            share(m) * integral(0.0, SEPARATION_RAD, &|angle| front(angle) * (m as f64 * angle).cos())
+            share(m) * integral(0.0, SEPARATION_RAD, &|angle| front(angle) * libm::cos(m as f64 * angle))
         }),
-        std::array::from_fn(|m| share(m) * integral(SEPARATION_RAD, PI, &|angle| (m as f64 * angle).cos())),
+        std::array::from_fn(|m| share(m) * integral(SEPARATION_RAD, PI, &|angle| libm::cos(m as f64 * angle))),
     ]
 }
 
@@ -207,7 +208,7 @@ mod tests {
 
     fn normals(count: usize) -> Vec<[f64; 3]> {
         let angle = |i: usize| TAU * i as f64 / count as f64;
-        (0..count).map(|i| [angle(i).cos(), angle(i).sin(), 0.0]).collect()
+        (0..count).map(|i| [libm::cos(angle(i)), libm::sin(angle(i)), 0.0]).collect()
     }
 
     fn conductances(shape: &CylinderShape, count: usize, wind: [f64; 3]) -> Vec<f64> {
@@ -238,7 +239,7 @@ mod tests {
         let reynolds = gas.reynolds(3.0, 6e-3);
         let area = PI * 6e-3 * 0.03 / 6.0;
         let nusselt = |g: f64| g / (gas.conductivity_w_m_k / 6e-3 * area);
-        let stagnation = 1.14 * gas.prandtl().powf(0.4) * reynolds.sqrt();
+        let stagnation = 1.14 * libm::pow(gas.prandtl(), 0.4) * reynolds.sqrt();
         let mean = cylinder_nusselt(reynolds, cylinder_factor(gas.prandtl()));
         let front = stagnation * (1.0 - (1.0_f64 / 3.0).powi(3) / 4.0);
         assert!((nusselt(all[0]) / front - 1.0).abs() < 3e-3, "{} for {front}", nusselt(all[0]));
@@ -250,7 +251,7 @@ mod tests {
 
     #[test]
     fn a_turn_by_a_sector_changes_nothing_but_the_numbers() {
-        let wind = |degrees: f64| [4.0 * degrees.to_radians().cos(), 4.0 * degrees.to_radians().sin(), 1.0];
+        let wind = |degrees: f64| [4.0 * libm::cos(degrees.to_radians()), 4.0 * libm::sin(degrees.to_radians()), 1.0];
         let (one, turned) = (conductances(&SHAPE, 3, wind(17.0)), conductances(&SHAPE, 3, wind(137.0)));
         for i in 0..3 {
             assert!((one[i] / turned[(i + 1) % 3] - 1.0).abs() < 1e-9);

@@ -36,12 +36,12 @@ pub(super) fn plate_nusselt(reynolds: f64, prandtl_third: f64) -> f64 {
 
 /// Factor of √Re in [`cylinder_nusselt`]: 0.62 Pr^⅓ / (1 + (0.4/Pr)^⅔)^¼.
 pub(super) fn cylinder_factor(prandtl: f64) -> f64 {
-    0.62 * prandtl.cbrt() / (1.0 + (0.4 / prandtl).powf(2.0 / 3.0)).powf(0.25)
+    0.62 * libm::cbrt(prandtl) / libm::pow(1.0 + libm::pow(0.4 / prandtl, 2.0 / 3.0), 0.25)
 }
 
 /// Mean Nusselt number of a cylinder in crossflow (Churchill and Bernstein 1977), for Re·Pr > 0.2.
 pub(super) fn cylinder_nusselt(reynolds: f64, factor: f64) -> f64 {
-    0.3 + factor * reynolds.sqrt() * (1.0 + (reynolds / 282_000.0).powf(0.625)).powf(0.8)
+    0.3 + factor * reynolds.sqrt() * libm::pow(1.0 + libm::pow(reynolds / 282_000.0, 0.625), 0.8)
 }
 
 /// Rayleigh number of a body of `length_m` that is `overheat_k` warmer than the gas.
@@ -52,16 +52,16 @@ pub(super) fn rayleigh(gas: &IdealGas, length_m: f64, overheat_k: f64, gravity_m
 
 /// Free convection of an upright plate, laminar (Churchill and Chu 1975).
 pub(super) fn free_plate_nusselt(rayleigh: f64, prandtl: f64) -> f64 {
-    0.68 + 0.670 * rayleigh.powf(0.25) / laminar(0.492, prandtl)
+    0.68 + 0.670 * libm::pow(rayleigh, 0.25) / laminar(0.492, prandtl)
 }
 
 /// Free convection of a horizontal cylinder, laminar (Churchill and Chu 1975).
 pub(super) fn free_cylinder_nusselt(rayleigh: f64, prandtl: f64) -> f64 {
-    0.36 + 0.518 * rayleigh.powf(0.25) / laminar(0.559, prandtl)
+    0.36 + 0.518 * libm::pow(rayleigh, 0.25) / laminar(0.559, prandtl)
 }
 
 fn laminar(constant: f64, prandtl: f64) -> f64 {
-    (1.0 + (constant / prandtl).powf(9.0 / 16.0)).powf(4.0 / 9.0)
+    libm::pow(1.0 + libm::pow(constant / prandtl, 9.0 / 16.0), 4.0 / 9.0)
 }
 
 /// Free and forced convection together (Churchill's blend, exponent 4 of a stream across).

@@ -17,7 +17,7 @@ pub fn conductance_w_k(law: &KingLaw, wind_m_s: [f64; 3]) -> f64 {
         Some(axis) => effective_speed_m_s(wind_m_s, axis, law.yaw_factor),
         None => length(wind_m_s),
     };
-    law.a_w_k + law.b_w_k * seen_m_s.powf(law.exponent)
+    law.a_w_k + law.b_w_k * libm::pow(seen_m_s, law.exponent)
 }
 
 #[cfg(test)]

@@ -50,7 +50,7 @@ impl TableConvection {
         let speed = length(wind_m_s);
         for (conductance, normal) in conductance_w_k.iter_mut().zip(&self.normals) {
             let cosine = normal.map_or(1.0, |normal| -dot(normal, wind_m_s) / speed.max(f64::MIN_POSITIVE));
-            let angle_deg = cosine.clamp(-1.0, 1.0).acos().to_degrees();
+            let angle_deg = libm::acos(cosine.clamp(-1.0, 1.0)).to_degrees();
             *conductance = self.conductance_per_nusselt_w_k * self.nusselt(self.reynolds_per_speed * speed, angle_deg);
         }
     }
@@ -62,9 +62,9 @@ impl TableConvection {
             return nusselt_at_rest + (at(0) - nusselt_at_rest) * (reynolds / rows[0]).sqrt();
         }
         let row = rows.partition_point(|&row| row <= reynolds).min(rows.len() - 1) - 1;
-        let share = (reynolds / rows[row]).ln() / (rows[row + 1] / rows[row]).ln();
+        let share = libm::log(reynolds / rows[row]) / libm::log(rows[row + 1] / rows[row]);
         let (low, high) = (at(row), at(row + 1));
-        if share > 1.0 { low * (high / low).powf(share) } else { low + share * (high - low) }
+        if share > 1.0 { low * libm::pow(high / low, share) } else { low + share * (high - low) }
     }
 
     fn at_angle(&self, row: &[f64], angle_deg: f64) -> f64 {
@@ -98,7 +98,7 @@ mod tests {
         let per_speed = gas.reynolds(1.0, 0.01);
         let nusselt = |reynolds: f64, degrees: f64| {
             let speed = reynolds / per_speed;
-            let (sin, cos) = degrees.to_radians().sin_cos();
+            let (sin, cos) = libm::sincos(degrees.to_radians());
             let mut all = [0.0; 2];
             table.conductance_w_k([-speed * cos, speed * sin, 0.0], &mut all);
             all.map(|g| g / (gas.conductivity_w_m_k / 0.01 * 1e-4))

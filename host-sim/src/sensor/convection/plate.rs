@@ -49,7 +49,7 @@ impl Plate {
             gas: *gas,
             conductivity_w_m_k: gas.conductivity_w_m_k,
             reynolds: gas.reynolds(1.0, shape.width_m),
-            prandtl_third: gas.prandtl().cbrt(),
+            prandtl_third: libm::cbrt(gas.prandtl()),
         }
     }
 

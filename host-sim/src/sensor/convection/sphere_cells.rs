@@ -37,7 +37,7 @@ impl SphereCells {
             let z = 1.0 - (2.0 * k as f64 + 1.0) / POINTS as f64;
             let radius = (1.0 - z * z).sqrt();
             let angle = golden * k as f64;
-            let point = [radius * angle.cos(), radius * angle.sin(), z];
+            let point = [radius * libm::cos(angle), radius * libm::sin(angle), z];
             let nearest = (0..normals.len()).max_by(|&i, &j| dot(point, normals[i]).total_cmp(&dot(point, normals[j])));
             let Some(owner) = nearest else { continue };
             shares[owner] += 1.0;

@@ -62,7 +62,7 @@ impl SphereStream {
         continuum(gas, diameter_m)?;
         Ok(SphereStream {
             grid: uniform_grid(gas.prandtl()),
-            intervals_per_log: GRID_INTERVALS as f64 / HIGHEST_REYNOLDS.ln(),
+            intervals_per_log: GRID_INTERVALS as f64 / libm::log(HIGHEST_REYNOLDS),
             reynolds_per_speed: gas.reynolds(1.0, diameter_m),
             diameter_m,
             grid_prandtl: gas.prandtl(),
@@ -124,7 +124,7 @@ impl SphereStream {
             let growth = growth(reynolds);
             return self.grid[GRID_INTERVALS].map(|a| a * growth);
         }
-        let position = reynolds.ln() * self.intervals_per_log;
+        let position = libm::log(reynolds) * self.intervals_per_log;
         // The bound only catches a rounding of ln 200⁻ up to the last point.
         let index = (position as usize).min(GRID_INTERVALS - 1);
         let fraction = position - index as f64;
@@ -149,7 +149,7 @@ impl SphereStream {
 
 /// How much more than at the end of the table, from there on.
 fn growth(reynolds: f64) -> f64 {
-    (reynolds / HIGHEST_REYNOLDS).powf(EXTRAPOLATION_EXPONENT)
+    libm::pow(reynolds / HIGHEST_REYNOLDS, EXTRAPOLATION_EXPONENT)
 }
 
 /// P_0 … P_5 at z.
@@ -188,16 +188,16 @@ fn table_rows() -> Vec<(f64, Coefficients)> {
 /// `GRID_INTERVALS`.
 fn uniform_grid(prandtl: f64) -> Vec<Coefficients> {
     let rows = table_rows();
-    let log_reynolds: Vec<f64> = rows.iter().map(|row| row.0.ln()).collect();
+    let log_reynolds: Vec<f64> = rows.iter().map(|row| libm::log(row.0)).collect();
     let mut grid = vec![[0.0; ORDERS]; GRID_INTERVALS + 1];
     for n in 0..ORDERS {
         let values: Vec<f64> = rows.iter().map(|row| row.1[n]).collect();
         let curvature = spline_curvature(&log_reynolds, &values);
         for (j, point) in grid.iter_mut().enumerate() {
-            let l = HIGHEST_REYNOLDS.ln() * j as f64 / GRID_INTERVALS as f64;
+            let l = libm::log(HIGHEST_REYNOLDS) * j as f64 / GRID_INTERVALS as f64;
             let base = if n == 0 { 2.0 } else { 0.0 };
             let at_table_prandtl = spline_value(&log_reynolds, &values, &curvature, l);
-            let factor = beyond_conduction(l.exp(), prandtl) / beyond_conduction(l.exp(), TABLE_PRANDTL);
+            let factor = beyond_conduction(libm::exp(l), prandtl) / beyond_conduction(libm::exp(l), TABLE_PRANDTL);
             point[n] = base + (at_table_prandtl - base) * factor;
         }
     }
@@ -206,7 +206,7 @@ fn uniform_grid(prandtl: f64) -> Vec<Coefficients> {
 
 /// Nu − 2 by the correlation of Clift, Grace and Weber 1978, for Re ≥ 1.
 fn beyond_conduction(reynolds: f64, prandtl: f64) -> f64 {
-    (1.0 + reynolds * prandtl).cbrt() * reynolds.powf(0.077).max(1.0) - 1.0
+    libm::cbrt(1.0 + reynolds * prandtl) * libm::pow(reynolds, 0.077).max(1.0) - 1.0
 }
 
 /// Second derivatives of the natural cubic spline through (x, y), by the tridiagonal algorithm.
@@ -257,7 +257,7 @@ pub(super) mod tests {
         (0..count).map(move |k| {
             let z = 1.0 - (2.0 * k as f64 + 1.0) / count as f64;
             let r = (1.0 - z * z).sqrt();
-            [r * (golden * k as f64).cos(), r * (golden * k as f64).sin(), z]
+            [r * libm::cos(golden * k as f64), r * libm::sin(golden * k as f64), z]
         })
     }
 
@@ -290,8 +290,8 @@ pub(super) mod tests {
         let stream = at_table_prandtl();
         for step in 0..=190 {
             let re = 10.0 + step as f64;
-            let pe_third = (re * TABLE_PRANDTL).cbrt();
-            let correlation = 0.922 + pe_third + 0.1 * re.cbrt() * pe_third;
+            let pe_third = libm::cbrt(re * TABLE_PRANDTL);
+            let correlation = 0.922 + pe_third + 0.1 * libm::cbrt(re) * pe_third;
             let ratio = stream.coefficients(re)[0] / correlation;
             assert!((ratio - 1.0).abs() < 0.02, "Re {re}: {ratio}");
         }
@@ -303,7 +303,7 @@ pub(super) mod tests {
         let stream = at_table_prandtl();
         for step in 0..=90 {
             let re = 1.0 + 0.1 * step as f64;
-            let correlation = 1.0 + (1.0 + re * TABLE_PRANDTL).cbrt() * re.powf(0.077);
+            let correlation = 1.0 + libm::cbrt(1.0 + re * TABLE_PRANDTL) * libm::pow(re, 0.077);
             let ratio = stream.coefficients(re)[0] / correlation;
             assert!((ratio - 1.0).abs() < 0.03, "Re {re}: {ratio}");
         }
@@ -316,8 +316,8 @@ pub(super) mod tests {
         let air = IdealGas::new(Species::Air, 24_000.0, 294.0).unwrap();
         let stream = SphereStream::new(&air, 0.01).unwrap();
         for re in [20.0_f64, 100.0, 200.0] {
-            let pe_third = (re * air.prandtl()).cbrt();
-            let correlation = 0.922 + pe_third + 0.1 * re.cbrt() * pe_third;
+            let pe_third = libm::cbrt(re * air.prandtl());
+            let correlation = 0.922 + pe_third + 0.1 * libm::cbrt(re) * pe_third;
             assert!((stream.coefficients(re)[0] / correlation - 1.0).abs() < 0.025);
         }
     }

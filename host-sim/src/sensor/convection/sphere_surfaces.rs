@@ -440,7 +440,7 @@ mod tests {
                 .map(|direction| {
                     let nusselt = of_all::<SECTORS>(&convection, direction.map(|v| v * speed));
                     let sum: [f64; 3] = std::array::from_fn(|k| (0..4).map(|i| nusselt[i] * sector_axis(i)[k]).sum());
-                    (-dot(sum, direction) / length(sum)).min(1.0).acos().to_degrees()
+                    libm::acos((-dot(sum, direction) / length(sum)).min(1.0)).to_degrees()
                 })
                 .fold(0.0, f64::max);
             assert!((worst - degrees).abs() < 0.06, "Re {re}: {worst}°");

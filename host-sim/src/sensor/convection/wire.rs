@@ -77,12 +77,13 @@ impl Wire {
         let continuum = match self.shape.law {
             WireLaw::Kramers => {
                 let prandtl = film.prandtl();
-                0.42 * prandtl.powf(0.2) + 0.57 * prandtl.cbrt() * reynolds.sqrt()
+                0.42 * libm::pow(prandtl, 0.2) + 0.57 * libm::cbrt(prandtl) * reynolds.sqrt()
             }
             WireLaw::CollisWilliams => {
-                let loading = (film.temperature_k / self.gas.temperature_k).powf(0.17);
+                let loading = libm::pow(film.temperature_k / self.gas.temperature_k, 0.17);
                 let shedding = reynolds > SHEDDING_REYNOLDS;
-                loading * if shedding { 0.48 * reynolds.powf(0.51) } else { 0.24 + 0.56 * reynolds.powf(0.45) }
+                loading
+                    * if shedding { 0.48 * libm::pow(reynolds, 0.51) } else { 0.24 + 0.56 * libm::pow(reynolds, 0.45) }
             }
         };
         let nusselt = 1.0 / (1.0 / continuum + JUMP * film.knudsen(self.shape.diameter_m));

@@ -103,16 +103,16 @@ impl Stem {
         let axis = unit(self.axis);
         let from = wind_m_s.map(|v| -v);
         let aside = across(from, axis);
-        let (edge, angle) = (wake.angle_deg * PI / 180.0, length(aside).atan2(dot(from, axis)));
+        let (edge, angle) = (wake.angle_deg * PI / 180.0, libm::atan2(length(aside), dot(from, axis)));
         if speed_m_s == 0.0 || angle >= edge {
             return wind_m_s;
         }
-        let shape = (0.5 * PI * angle / edge).cos().powi(2);
+        let shape = libm::cos(0.5 * PI * angle / edge).powi(2);
         let slow_m_s = speed_m_s * (1.0 - (1.0 - wake.factor) * shape);
-        let turned = angle + wake.deflection_deg * PI / 180.0 * (PI * angle / edge).sin();
+        let turned = angle + wake.deflection_deg * PI / 180.0 * libm::sin(PI * angle / edge);
         // Along the stem there is no side to turn to, and the turn is zero.
         let side = if angle == 0.0 { [0.0; 3] } else { unit(aside) };
-        std::array::from_fn(|k| -slow_m_s * (turned.cos() * axis[k] + turned.sin() * side[k]))
+        std::array::from_fn(|k| -slow_m_s * (libm::cos(turned) * axis[k] + libm::sin(turned) * side[k]))
     }
 }
 
@@ -166,7 +166,7 @@ mod tests {
 
     fn coming_from(angle_deg: f64) -> [f64; 3] {
         let angle = angle_deg.to_radians();
-        [-5.0 * angle.sin(), 0.0, 5.0 * angle.cos()]
+        [-5.0 * libm::sin(angle), 0.0, 5.0 * libm::cos(angle)]
     }
 
     #[test]

@@ -83,8 +83,8 @@ impl Sun {
     pub(super) fn direction(&self, time_s: f64) -> [f64; 3] {
         let turned = self.period_s.map_or(0.0, |period_s| ((time_s - self.start_s).max(0.0) / period_s).fract());
         let azimuth = (self.azimuth_deg + self.turn_deg * turned) * PI / 180.0;
-        let (height_sin, height_cos) = (self.elevation_deg * PI / 180.0).sin_cos();
-        [azimuth.cos() * height_cos, azimuth.sin() * height_cos, height_sin]
+        let (height_sin, height_cos) = libm::sincos(self.elevation_deg * PI / 180.0);
+        [libm::cos(azimuth) * height_cos, libm::sin(azimuth) * height_cos, height_sin]
     }
 }
 

@@ -112,7 +112,8 @@ fn heat_balances_in_a_body_of_everything_that_a_file_can_say() {
          surfaces = [ { name = \"film[1-3]\", emissivity = 0.9 } ]\n",
     );
     let mut body = body(&head, 30.0);
-    let weather = |body: &mut ThermalBody, phase: f64| body.set_wind([4.0 * phase.cos(), 2.0 * phase.sin(), 0.5]);
+    let weather =
+        |body: &mut ThermalBody, phase: f64| body.set_wind([4.0 * libm::cos(phase), 2.0 * libm::sin(phase), 0.5]);
     let power_w = |i, high| if high { 0.2 } else { 0.01 * i as f64 };
     let imbalance = crate::sensor::body::testing::imbalance(&mut body, (20_000, 0.01), weather, power_w);
     // Not to rounding: the capacities move within a step, by its fourth order.

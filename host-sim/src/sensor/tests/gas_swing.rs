@@ -108,7 +108,7 @@ fn the_reference_lags_by_its_capacity_over_its_conductance() {
     // a film of 4 × 2.5 mm in 3 m/s.
     let (k, mu, cp, rho) = (10.84e-3, 11.05e-6, 758.0, 1000.0 * 0.0440095 / (8.314463 * 220.0));
     let reynolds: f64 = rho * 3.0 * 2.5e-3 / mu;
-    let layer = 0.664 * reynolds.sqrt() * (mu * cp / k).cbrt() * k / 2.5e-3 * 20e-6;
+    let layer = 0.664 * reynolds.sqrt() * libm::cbrt(mu * cp / k) * k / 2.5e-3 * 20e-6;
     let convection_w_k = 8.0 * k * (10e-6 / PI).sqrt() + layer;
     let radiation_w_k = 4.0 * 0.03 * 5.67e-8 * 220.0_f64.powi(3) * 20e-6;
     let lag_s = 1e-3 / (convection_w_k + radiation_w_k);
@@ -128,8 +128,8 @@ fn the_reference_lags_by_its_capacity_over_its_conductance() {
                 let phase = TAU * sensor.time_s() / period_s;
                 let read_c = sensor.truth().element_temperature_c.last().copied().unwrap();
                 let share = 2.0 / f64::from(turns * ticks_a_turn);
-                sine += share * read_c * phase.sin();
-                cosine += share * read_c * phase.cos();
+                sine += share * read_c * libm::sin(phase);
+                cosine += share * read_c * libm::cos(phase);
                 mean += 0.5 * share * read_c;
             }
         }

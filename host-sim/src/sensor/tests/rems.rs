@@ -27,7 +27,7 @@ fn rises_k(wind_m_s: [f64; 3], power_w: impl Fn(usize) -> f64) -> Vec<f64> {
 
 #[test]
 fn heat_in_is_heat_out_and_heat_stored() {
-    let wind = |phase: f64| [0.5 * phase.cos(), 0.5 * phase.sin(), 0.1];
+    let wind = |phase: f64| [0.5 * libm::cos(phase), 0.5 * libm::sin(phase), 0.1];
     let power_w = |i, high| if high { 0.02 } else { 0.001 * i as f64 };
     let weather = |body: &mut ThermalBody, phase| body.set_wind(wind(phase));
     let imbalance = imbalance(&mut body(), (100_000, 0.025), weather, power_w);

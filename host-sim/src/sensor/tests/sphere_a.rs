@@ -17,7 +17,7 @@ fn body() -> ThermalBody {
 
 #[test]
 fn heat_in_is_heat_out_and_heat_stored() {
-    let wind = |phase: f64| [6.0 * phase.cos(), 3.0 * phase.sin(), 1.0];
+    let wind = |phase: f64| [6.0 * libm::cos(phase), 3.0 * libm::sin(phase), 1.0];
     let power_w = |i, high| if high { 0.04 } else { 0.001 * i as f64 };
     let weather = |body: &mut ThermalBody, phase| body.set_wind(wind(phase));
     let imbalance = imbalance(&mut body(), (50_000, 0.01), weather, power_w);

@@ -19,7 +19,7 @@ fn body() -> ThermalBody {
 
 #[test]
 fn heat_in_is_heat_out_and_heat_stored() {
-    let wind = |phase: f64| [6.0 * phase.cos(), 3.0 * phase.sin(), 1.0];
+    let wind = |phase: f64| [6.0 * libm::cos(phase), 3.0 * libm::sin(phase), 1.0];
     let power_w = |i, high| if high { 0.04 } else { 0.001 * i as f64 };
     let weather = |body: &mut ThermalBody, phase| body.set_wind(wind(phase));
     let imbalance = imbalance(&mut body(), (100_000, 0.01), weather, power_w);
@@ -31,8 +31,8 @@ fn heat_in_is_heat_out_and_heat_stored_in_a_swinging_gas_and_with_a_reference() 
     let construction = built_in("sphere-b", &[]).with_reference().unwrap();
     let mut body = construction.body(&mars(), 230.0, 0).unwrap();
     let weather = |body: &mut ThermalBody, phase: f64| {
-        body.set_gas_temperature_k(220.0 + 15.0 * (0.3 * phase).sin());
-        body.set_wind([6.0 * phase.cos(), 3.0 * phase.sin(), 1.0]);
+        body.set_gas_temperature_k(220.0 + 15.0 * libm::sin(0.3 * phase));
+        body.set_wind([6.0 * libm::cos(phase), 3.0 * libm::sin(phase), 1.0]);
     };
     let power_w = |i, high| match i {
         6 => 8e-6,

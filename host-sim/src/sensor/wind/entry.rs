@@ -36,7 +36,7 @@ impl WindEntry {
     }
 
     fn horizontal(&self) -> HorizontalMean {
-        let speed_m_s = self.speed_m_s * self.elevation_deg.to_radians().cos();
+        let speed_m_s = self.speed_m_s * libm::cos(self.elevation_deg.to_radians());
         HorizontalMean { speed_m_s, azimuth_deg: self.azimuth_deg }
     }
 

@@ -57,7 +57,7 @@ use crate::sensor::error::{SensorError, require};
 /// Unit vector into a direction.
 pub(super) fn towards(azimuth_deg: f64, elevation_deg: f64) -> [f64; 3] {
     let (azimuth, elevation) = (azimuth_deg.to_radians(), elevation_deg.to_radians());
-    [elevation.cos() * azimuth.cos(), elevation.cos() * azimuth.sin(), elevation.sin()]
+    [libm::cos(elevation) * libm::cos(azimuth), libm::cos(elevation) * libm::sin(azimuth), libm::sin(elevation)]
 }
 
 /// Along the mean, across it and horizontal (to its left), and the third, which looks up as far as
@@ -113,7 +113,7 @@ impl Gust {
         if !(0.0..=1.0).contains(&phase) {
             return 0.0;
         }
-        0.5 * self.rise_m_s * (1.0 - (std::f64::consts::TAU * phase).cos())
+        0.5 * self.rise_m_s * (1.0 - libm::cos(std::f64::consts::TAU * phase))
     }
 
     /// Unit vector of its direction on top of a mean.
@@ -158,7 +158,7 @@ pub struct DirectionSwing {
 
 impl Sine {
     pub(super) fn rise_m_s(&self, time_s: f64) -> f64 {
-        self.amplitude_m_s * (std::f64::consts::TAU * self.frequency_hz * time_s).sin()
+        self.amplitude_m_s * libm::sin(std::f64::consts::TAU * self.frequency_hz * time_s)
     }
 
     pub(super) fn check(&self, entry: usize, speed_m_s: f64, sample_period_s: f64) -> Result<(), SensorError> {
@@ -171,7 +171,7 @@ impl Sine {
 
 impl DirectionSwing {
     pub(super) fn angle_deg(&self, time_s: f64) -> f64 {
-        self.amplitude_deg * (std::f64::consts::TAU * self.frequency_hz * time_s).sin()
+        self.amplitude_deg * libm::sin(std::f64::consts::TAU * self.frequency_hz * time_s)
     }
 
     pub(super) fn check(&self, entry: usize, sample_period_s: f64) -> Result<(), SensorError> {
@@ -225,7 +225,7 @@ impl DustDevil {
     pub(super) fn wind_m_s(&self, time_s: f64, mean: HorizontalMean) -> [f64; 2] {
         let azimuth = self.travel_azimuth_deg.unwrap_or(mean.azimuth_deg).to_radians();
         let (travelled_m, miss_m) = (self.travel_m_s(mean) * (time_s - self.time_s), self.miss_m);
-        let [dx, dy] = [azimuth.cos(), azimuth.sin()];
+        let [dx, dy] = [libm::cos(azimuth), libm::sin(azimuth)];
         let from_centre_m = [-(travelled_m * dx - miss_m * dy), -(travelled_m * dy + miss_m * dx)];
         // 2ρ/(1 + ρ²) with the unit vector r̂ = r/(ρR): no division by a distance of zero.
         let [x, y] = from_centre_m.map(|distance_m| distance_m / self.core_radius_m);
@@ -344,7 +344,7 @@ mod dust_devil_tests {
         let (entry, devil) = (breeze(), DustDevil { miss_m: 4.0, ..DEVIL });
         let angle = |time_s: f64| {
             let [x, y] = devil.wind_m_s(time_s, entry);
-            y.atan2(x).to_degrees()
+            libm::atan2(y, x).to_degrees()
         };
         // The centre comes from −x and passes on the left: from +90° through 0° to −90°.
         assert!((angle(-970.0) - 90.0).abs() < 0.1 && (angle(1030.0) + 90.0).abs() < 0.1);
@@ -362,7 +362,7 @@ mod dust_devil_tests {
             .map(|k| devil.wind_m_s(30.0 + step_s * (f64::from(k) + 0.5), entry)[0] * 4.0 * step_s)
             .sum();
         let (v, r, m) = (12.0, 8.0, 4.0_f64);
-        let expected = 2.0 * v * r * m * std::f64::consts::PI / r.hypot(m) - 4.0 * v * r * m / 40_000.0;
+        let expected = 2.0 * v * r * m * std::f64::consts::PI / libm::hypot(r, m) - 4.0 * v * r * m / 40_000.0;
         assert!((along / expected - 1.0).abs() < 1e-6, "{along} for {expected}");
     }
 

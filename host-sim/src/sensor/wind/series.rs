@@ -13,8 +13,9 @@
 //! Across the mean of isotropic turbulence the spectrum is half the longitudinal one times |1 + c
 //! iωT|²/|1 + iωT|², c² = 8/3: a filter of one state, driven by m as held over each period.
 
+use diffusive::random::StandardNormal;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use rand_distr::Distribution;
 
 use super::relaxations::Relaxation;
 use super::turbulence::Component;
@@ -63,14 +64,14 @@ impl WindSeries {
             let (h, variance) = (rate_rad_s * sample_period_s, half * variance);
             let mut x = 0.0;
             if h > FORGETS {
-                open += 2.0 * variance * (h - 1.0 + (-h).exp()) / (h * h);
+                open += 2.0 * variance * (h - 1.0 + libm::exp(-h)) / (h * h);
             } else {
-                let ends = (0.5 * h).tanh();
+                let ends = libm::tanh(0.5 * h);
                 open += (2.0 * variance * (h - 2.0 * ends) / (h * h)).max(0.0);
                 let normal: f64 = StandardNormal.sample(rng);
                 x = variance.sqrt() * normal;
-                let renewal = (variance * -(-2.0 * h).exp_m1()).sqrt();
-                states.push(SeriesState { x, memory: (-h).exp(), renewal, part: ends / h });
+                let renewal = (variance * -libm::expm1(-2.0 * h)).sqrt();
+                states.push(SeriesState { x, memory: libm::exp(-h), renewal, part: ends / h });
             }
             // Of a relaxation that has passed the filter: variance and covariance with x are V/(1 +
             // ξT).
@@ -80,7 +81,7 @@ impl WindSeries {
         }
         let across = component.across.then(|| {
             let (h, normal): (f64, f64) = (sample_period_s / component.time_s, StandardNormal.sample(rng));
-            Across { y: y + left_open.sqrt() * normal, memory: (-h).exp(), mean: -(-h).exp_m1() / h }
+            Across { y: y + left_open.sqrt() * normal, memory: libm::exp(-h), mean: -libm::expm1(-h) / h }
         });
         Self { deviation_m_s: component.deviation_m_s, states, open: open.sqrt(), across }
     }

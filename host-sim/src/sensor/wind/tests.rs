@@ -55,7 +55,7 @@ fn turbulence_has_the_variance_and_the_correlation_time_asked_for() {
         let tolerance = 4.0 * (2.0 / independent).sqrt();
         assert!((covariance(0) / (sigma * sigma) - 1.0).abs() < tolerance, "variance {}", covariance(0));
         let after_tau = covariance(30) / (sigma * sigma);
-        assert!((after_tau - (-1.0_f64).exp()).abs() < tolerance, "correlation after τ {after_tau}");
+        assert!((after_tau - libm::exp(-1.0)).abs() < tolerance, "correlation after τ {after_tau}");
     }
     let cross: f64 = samples.iter().map(|v| (v[0] - 4.0) * v[1]).sum::<f64>() / count as f64;
     assert!((cross / (sigma * sigma)).abs() < 4.0 / independent.sqrt(), "components are independent: {cross}");
@@ -95,8 +95,9 @@ fn what_is_asked_for_adds_up_in_the_middle_of_each_period() {
             assert_eq!([x, y, z], [5.0, 0.0, 0.0]);
             continue;
         }
-        let sine = 5.0 + (std::f64::consts::FRAC_PI_2 * time_s).sin();
-        let gust = if (1.0..3.0).contains(&time_s) { 1.5 * (1.0 + (std::f64::consts::PI * time_s).cos()) } else { 0.0 };
+        let sine = 5.0 + libm::sin(std::f64::consts::FRAC_PI_2 * time_s);
+        let gust =
+            if (1.0..3.0).contains(&time_s) { 1.5 * (1.0 + libm::cos(std::f64::consts::PI * time_s)) } else { 0.0 };
         assert!(x.abs() < 1e-12 && (y - sine).abs() < 1e-12 && (z - gust).abs() < 1e-12, "{time_s} s: {x} {y} {z}");
     }
     // The mean is the entry's, whatever blows on top.
@@ -108,7 +109,7 @@ fn a_swing_turns_the_mean_and_leaves_the_speed() {
     let swing = Some(DirectionSwing { amplitude_deg: 40.0, frequency_hz: 1.0 });
     let mut wind = wind(&[WindEntry { swing, azimuth_deg: 10.0, elevation_deg: 20.0, ..entry(0.0, "", 3.0) }], 0.01);
     let seen: Vec<[f64; 3]> = (0..100).map(|_| wind.advance()).collect();
-    let azimuth = |v: &[f64; 3]| v[1].atan2(v[0]).to_degrees();
+    let azimuth = |v: &[f64; 3]| libm::atan2(v[1], v[0]).to_degrees();
     assert!(seen.iter().all(|v| (v.iter().map(|x| x * x).sum::<f64>() - 9.0).abs() < 1e-12 && v[2] > 1.0));
     // The sine's peak lies between two middles: within 1 − cos(π/100) of it.
     assert!((azimuth(&seen[24]) - 50.0).abs() < 0.02 && (azimuth(&seen[74]) + 30.0).abs() < 0.02);

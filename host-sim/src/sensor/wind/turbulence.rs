@@ -37,8 +37,9 @@
 //! end, where viscosity would end it. A mean that is slow against its fluctuations carries no
 //! frozen eddies: intensities above 0.3 are beyond what Taylor's hypothesis is good for.
 
+use diffusive::random::StandardNormal;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use rand_distr::Distribution;
 
 use super::planned::EntryTable;
 use super::relaxations::{EDDY, SpectrumShape};
@@ -113,7 +114,7 @@ impl Turbulence {
     /// At a mean speed, if it is of one relaxation and there is any.
     pub(super) fn relaxed(&self, speed_m_s: f64, sample_period_s: f64) -> Option<Relaxed> {
         let Spectrum::Relaxation { correlation_time_s } = self.spectrum else { return None };
-        let (deviation_m_s, memory) = (self.intensity * speed_m_s, (-sample_period_s / correlation_time_s).exp());
+        let (deviation_m_s, memory) = (self.intensity * speed_m_s, libm::exp(-sample_period_s / correlation_time_s));
         let renewal = (1.0 - memory * memory).sqrt();
         (deviation_m_s != 0.0).then_some(Relaxed { deviation_m_s, memory, renewal })
     }

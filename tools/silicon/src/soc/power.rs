@@ -20,7 +20,7 @@ const POWER_DOWN_MV: u32 = 1_680;
 const RAM_KEEPS_MV: u32 = 800;
 
 const DETECTOR_ENABLE: u32 = 1 << 4;
-/// VOS of STM32F405, and PWR_CR after a reset.
+/// VOS, which 168 MHz need; all of PWR_CR after a reset (RM0090, "PWR_CR" of STM32F405).
 const SCALE_1: u32 = 1 << 14;
 const DETECTOR_OUTPUT: u32 = 1 << 2;
 

@@ -140,7 +140,7 @@ fn solve(drawn: &DrawnCard, steady: &[SteadyWind]) -> Result<CardCalibration, Ca
             least_reynolds,
             most_reynolds,
             mean: mean.knots,
-            difference: std::array::from_fn(|k| root(k).powf(2.0 * differences.exponent)),
+            difference: std::array::from_fn(|k| libm::pow(root(k), 2.0 * differences.exponent)),
             along: differences.along,
             around: differences.around,
             seen: mean.seen,

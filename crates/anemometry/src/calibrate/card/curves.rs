@@ -27,10 +27,10 @@ pub struct DieDifferences {
 pub fn differences(winds: &[CardWind]) -> Option<DieDifferences> {
     let solved = |exponent: f64, k: usize| {
         let of = |n: usize, angle: f64| match k {
-            0 => (n as f64 * angle).cos(),
-            _ => ((n + 1) as f64 * angle).sin(),
+            0 => libm::cos(n as f64 * angle),
+            _ => libm::sin((n + 1) as f64 * angle),
         };
-        let size = |wind: &CardWind| wind.root.powf(2.0 * exponent);
+        let size = |wind: &CardWind| libm::pow(wind.root, 2.0 * exponent);
         let design = DMatrix::from_fn(winds.len(), TERMS + 1, |at, n| {
             let wind = &winds[at];
             if n < TERMS { of(n, wind.angle) } else { -wind.mean / size(wind) }
@@ -52,7 +52,7 @@ pub fn differences(winds: &[CardWind]) -> Option<DieDifferences> {
             let sum = |of: &[f64; TERMS], f: fn(f64) -> f64, first: usize| {
                 of.iter().enumerate().map(|(n, a)| a * f((n + first) as f64 * wind.angle)).sum::<f64>()
             };
-            sum(&along_terms, f64::cos, 0).powi(2) + sum(&around_terms, f64::sin, 1).powi(2)
+            sum(&along_terms, libm::cos, 0).powi(2) + sum(&around_terms, libm::sin, 1).powi(2)
         })
         .sum();
     // Of one component beside the size of both; two components a wind less what was fitted to them.
@@ -131,7 +131,7 @@ impl MeanProblem<'_> {
     fn first(&self) -> DVector<f64> {
         let most_mean = self.winds.iter().map(|wind| wind.mean).fold(0.0, f64::max);
         DVector::from_fn(KNOTS - 1 + SEEN, |n, _| match n {
-            n if n < KNOTS - 1 => ((most_mean - f64::from(CONDUCTION)).max(1e-3) / (KNOTS - 1) as f64).ln(),
+            n if n < KNOTS - 1 => libm::log((most_mean - f64::from(CONDUCTION)).max(1e-3) / (KNOTS - 1) as f64),
             n if n == KNOTS - 1 => -0.3,
             _ => 0.0,
         })
@@ -174,7 +174,7 @@ impl MeanProblem<'_> {
 fn unpacked(x: &DVector<f64>) -> ([f64; KNOTS], [f64; TERMS]) {
     let mut knots = [f64::from(CONDUCTION); KNOTS];
     for k in 1..KNOTS {
-        knots[k] = knots[k - 1] + x[k - 1].exp();
+        knots[k] = knots[k - 1] + libm::exp(x[k - 1]);
     }
     let mut seen = [0.0; TERMS];
     seen[0] = 1.0;
@@ -187,7 +187,7 @@ fn unpacked(x: &DVector<f64>) -> ([f64; KNOTS], [f64; TERMS]) {
 }
 
 fn seen_at(seen: &[f64; TERMS], angle: f64) -> f64 {
-    seen.iter().enumerate().map(|(n, a)| a * (n as f64 * angle).cos()).sum()
+    seen.iter().enumerate().map(|(n, a)| a * libm::cos(n as f64 * angle)).sum()
 }
 
 fn straight(knots: &[f64; KNOTS], position: f64) -> f64 {

@@ -83,7 +83,7 @@ impl DrawnCard {
             return Err(steady.refuse(format!("a die is {} K above the gas: it must be warmer", bad.overheat_k)));
         }
         let flat = [dot(steady.wind_m_s, unit(self.tip)), dot(steady.wind_m_s, self.around())];
-        let (across, speed) = (dot(steady.wind_m_s, unit(self.normal)), flat[0].hypot(flat[1]));
+        let (across, speed) = (dot(steady.wind_m_s, unit(self.normal)), libm::hypot(flat[0], flat[1]));
         if across.abs() > MOST_ACROSS * speed {
             let blown = format!("{across:.2} m/s of it blow across the card");
             return Err(steady.refuse(format!("{blown}: a card is calibrated in winds of its plane")));
@@ -96,7 +96,7 @@ impl DrawnCard {
         let sum = |of: fn([f64; 2]) -> f64| (0..DICE).map(|i| of(PLACES[i]) * nusselt[i]).sum::<f64>() / DICE as f64;
         Ok(Some(CardWind {
             root: (speed * self.reynolds_per_speed(steady)).sqrt(),
-            angle: flat[1].atan2(flat[0]),
+            angle: libm::atan2(flat[1], flat[0]),
             mean: sum(|_| 1.0),
             differences: [sum(|[p, _]| p), sum(|[_, q]| q)],
             twist: sum(|[p, q]| p * q),

@@ -159,7 +159,7 @@ impl SurfaceCalibration {
                     * match head.form {
                         HeadForm::Sphere | HeadForm::Cube => quiescent_errors[i],
                         // Only the law says what of it is conduction into the gas.
-                        _ => quiescent_errors[i].hypot(QUIESCENT * family.at_rest),
+                        _ => libm::hypot(quiescent_errors[i], QUIESCENT * family.at_rest),
                     },
             }
         };
@@ -273,9 +273,9 @@ impl SurfaceCalibration {
         let at_rest = f64::from(self.form.nusselt_at_rest());
         let points = points(self.curves.least_reynolds, self.curves.most_reynolds);
         let over = self.curves.amplitudes.iter().zip(points).map(|(amplitudes, reynolds)| {
-            ((amplitudes[0] - at_rest).max(f64::MIN_POSITIVE) / (0.6 * reynolds.sqrt())).ln()
+            libm::log((amplitudes[0] - at_rest).max(f64::MIN_POSITIVE) / (0.6 * reynolds.sqrt()))
         });
-        (over.sum::<f64>() / POINTS as f64).exp()
+        libm::exp(over.sum::<f64>() / POINTS as f64)
     }
 
     /// c (q + G0 a) / θ of a reading of surface `i`, as
@@ -408,7 +408,7 @@ fn convection(problem: &SurfaceProblem<'_>, fitted: &SurfaceFit) -> Option<Conve
         };
         // The nearest wind, less what a direction is off.
         let nearest = moving().map(|wind| chord(wind.towards, axis)).fold(2.0, f64::min);
-        let nearest_deg = 2.0 * (0.5 * nearest).min(1.0).asin().to_degrees() - NEAREST_DEG;
+        let nearest_deg = 2.0 * libm::asin((0.5 * nearest).min(1.0)).to_degrees() - NEAREST_DEG;
         StemTable { axis, unknown_deg: nearest_deg.clamp(0.0, MOST_UNKNOWN_DEG), factor, deflection }
     });
     let properties = if sought.film_share > 0.0 { PropertyTemperature::Film } else { PropertyTemperature::Gas };
@@ -439,14 +439,14 @@ fn convection(problem: &SurfaceProblem<'_>, fitted: &SurfaceFit) -> Option<Conve
 
 /// Reynolds numbers at which the board has amplitudes: even in their logarithm.
 fn points(least_reynolds: f64, most_reynolds: f64) -> [f64; POINTS] {
-    let ratio = (most_reynolds / least_reynolds).ln() / (POINTS - 1) as f64;
-    std::array::from_fn(|j| least_reynolds * (ratio * j as f64).exp())
+    let ratio = libm::log(most_reynolds / least_reynolds) / (POINTS - 1) as f64;
+    std::array::from_fn(|j| least_reynolds * libm::exp(ratio * j as f64))
 }
 
 /// The reading farthest off, in standard uncertainties of reading and misfit together.
 fn worst(problem: &SurfaceProblem<'_>, equations: &SurfaceEquations, misfit_rms: f64) -> WorstReading {
     let n = problem.head.surfaces.len();
-    let off = |(residual, error): (&f64, &f64)| residual / 1_f64.hypot(misfit_rms / error);
+    let off = |(residual, error): (&f64, &f64)| residual / libm::hypot(1.0, misfit_rms / error);
     let all = equations.residuals.iter().zip(&equations.relative_errors).map(off).enumerate();
     let (at, errors) = all.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).unwrap_or((0, 0.0));
     WorstReading {

@@ -114,7 +114,7 @@ fn direction_deg(calibration: &SurfaceCalibration, estimate: &WindEstimate, wind
     }
     // From sine and cosine, so that small angles keep their digits.
     let axis = unit(calibration.surfaces[0].axis);
-    let to_axis = |v: [f64; 3], across_m_s: f64| across_m_s.atan2(dot(v, axis));
+    let to_axis = |v: [f64; 3], across_m_s: f64| libm::atan2(across_m_s, dot(v, axis));
     let truth = to_axis(wind_m_s, length(across(wind_m_s, axis)));
     Some((to_axis(found, f64::from(estimate.across_m_s)) - truth).to_degrees())
 }

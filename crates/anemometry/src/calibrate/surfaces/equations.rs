@@ -82,7 +82,7 @@ impl SoughtLaw {
 
     /// (U/v)^m at a cosine to the normal.
     pub fn seen(&self, cosine: f64) -> f64 {
-        self.seen_square(cosine).powf(0.5 * self.exponent)
+        libm::pow(self.seen_square(cosine), 0.5 * self.exponent)
     }
 }
 
@@ -256,7 +256,7 @@ impl<'a> SurfaceProblem<'a> {
                     at: Cow::Borrowed(at),
                     amplitudes: self.family.amplitudes(at, &place.coefficients),
                     from: -place.mounting.inward(wind.towards),
-                    speed_ln: (wind.reynolds / self.family.most_reynolds).ln(),
+                    speed_ln: libm::log(wind.reynolds / self.family.most_reynolds),
                     moves: Vec::new(),
                     slopes: [0.0; ORDERS],
                 }),
@@ -264,7 +264,7 @@ impl<'a> SurfaceProblem<'a> {
             for (i, CheckedReading { reading, unit_w_k }) in wind.rows.iter().enumerate() {
                 row.fill(0.0);
                 let unit_w = reading.overheat_k * unit_w_k;
-                let error_w = reading.variance_w2.sqrt().hypot(stage.blur * unit_w);
+                let error_w = libm::hypot(reading.variance_w2.sqrt(), stage.blur * unit_w);
                 let weight = unit_w / (place.gains[i] * error_w);
                 let nusselt = match &stream {
                     Some(stream) if self.family.shape == AmplitudeShape::Law => {
@@ -319,13 +319,13 @@ impl<'a> SurfaceProblem<'a> {
         let at = self.family.at(reynolds);
         let amplitudes = self.family.amplitudes(&at, &place.coefficients);
         let [below, above] = [-SLOPE_STEP, SLOPE_STEP]
-            .map(|by| self.family.amplitudes(&self.family.at(reynolds * by.exp()), &place.coefficients));
+            .map(|by| self.family.amplitudes(&self.family.at(reynolds * libm::exp(by)), &place.coefficients));
         Some(StreamAt {
             amplitudes,
             slopes: std::array::from_fn(|n| (above[n] - below[n]) / (2.0 * SLOPE_STEP)),
             at: Cow::Owned(at),
             from: -here / reynolds,
-            speed_ln: (reynolds / self.family.most_reynolds).ln(),
+            speed_ln: libm::log(reynolds / self.family.most_reynolds),
             moves: moved.iter().map(|(stream, step)| (vector(stream) - here) / (step * reynolds)).collect(),
         })
     }
@@ -359,12 +359,12 @@ impl<'a> SurfaceProblem<'a> {
         let axis = Vector3::from(self.head.surfaces[i].axis().map(f64::from));
         let cosine = axis.dot(&stream.from);
         let seen_square = law.seen_square(cosine);
-        let power = (law.exponent * stream.speed_ln).exp() * law.seen(cosine);
+        let power = libm::exp(law.exponent * stream.speed_ln) * law.seen(cosine);
         row[0] = weight;
         row[1] = weight * power;
         for (k, unknown) in self.sought.iter().enumerate() {
             let per_unit = match unknown {
-                LawUnknown::Exponent => stream.speed_ln + 0.5 * seen_square.ln(),
+                LawUnknown::Exponent => stream.speed_ln + 0.5 * libm::log(seen_square),
                 LawUnknown::YawSquare => 0.5 * law.exponent * (1.0 - cosine * cosine) / seen_square,
             };
             row[self.first_of_law(place) + k] = weight * factor * power * per_unit;

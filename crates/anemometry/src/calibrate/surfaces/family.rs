@@ -85,7 +85,7 @@ pub type BasisAt = Vec<[f64; ORDERS]>;
 impl AmplitudeFamily {
     /// For winds of these Reynolds numbers (ascending, distinct speeds) and so many readings.
     pub fn new(form: HeadForm, reynolds: &[f64], orders: Vec<usize>, readings: usize) -> Self {
-        let at: Vec<f64> = reynolds.iter().map(|r| r.ln()).collect();
+        let at: Vec<f64> = reynolds.iter().map(|r| libm::log(*r)).collect();
         // Two readings for every coefficient.
         let affordable = readings / (2 * orders.len().max(1));
         let count = reynolds.len().min(affordable).clamp(LEAST_COUNT, MOST_COUNT);
@@ -125,7 +125,7 @@ impl AmplitudeFamily {
         }
         match &self.shape {
             AmplitudeShape::Spline(spline) => {
-                let basis = spline.values(reynolds.ln());
+                let basis = spline.values(libm::log(reynolds));
                 let places = self.orders.iter().flat_map(|&n| basis.iter().map(move |b| (n, b)));
                 for (row, (n, b)) in rows.iter_mut().zip(places) {
                     row[n] = b * if n < 2 { s.sqrt() } else { s };
@@ -134,7 +134,7 @@ impl AmplitudeFamily {
             AmplitudeShape::Law => {}
             AmplitudeShape::King { exponent, shares } => {
                 rows[0][0] = 1.0;
-                rows[1] = shares.map(|share| share * s.powf(*exponent));
+                rows[1] = shares.map(|share| share * libm::pow(s, *exponent));
             }
         }
         rows

@@ -278,16 +278,16 @@ pub fn distinct<'a>(ascending: &[&'a CheckedWind]) -> Vec<Vec<&'a CheckedWind>> 
 /// `most_octaves` is 1.
 pub fn classes(ascending: &[&CheckedWind], most_octaves: f64) -> Vec<ReynoldsRange> {
     let (first, last) = (ascending[0], ascending[ascending.len() - 1]);
-    let octaves = (last.reynolds / first.reynolds).ln() / OCTAVE.ln();
+    let octaves = libm::log(last.reynolds / first.reynolds) / libm::log(OCTAVE);
     // A little more than a whole number of octaves is that number.
     let count = (octaves / most_octaves - 0.1).ceil().max(1.0);
     let speed_per_reynolds = |reynolds: f64| {
         // By the wind next to it: pressures may differ between runs.
-        let near = |wind: &&&CheckedWind| (wind.reynolds / reynolds).ln().abs();
+        let near = |wind: &&&CheckedWind| libm::log(wind.reynolds / reynolds).abs();
         let nearest = ascending.iter().min_by(|a, b| near(a).total_cmp(&near(b)));
         nearest.map_or(f64::NAN, |wind| wind.speed_m_s / wind.reynolds)
     };
-    let edge = |j: f64| first.reynolds * (last.reynolds / first.reynolds).powf(j / count);
+    let edge = |j: f64| first.reynolds * libm::pow(last.reynolds / first.reynolds, j / count);
     (0..count as usize)
         .map(|j| {
             let (mut from, mut to) = (edge(j as f64), edge(j as f64 + 1.0));

@@ -75,7 +75,7 @@ pub fn solve(head: &DrawnSurfaces, steady: &[SteadyWind]) -> Result<SurfaceCalib
     // The middle of every speed, but the first and last wind themselves.
     let mut reynolds: Vec<f64> = distinct(&moving)
         .iter()
-        .map(|group| (group.iter().map(|wind| wind.reynolds.ln()).sum::<f64>() / group.len() as f64).exp())
+        .map(|group| libm::exp(group.iter().map(|wind| libm::log(wind.reynolds)).sum::<f64>() / group.len() as f64))
         .collect();
     reynolds.dedup();
     if let [only] = reynolds[..] {
@@ -206,8 +206,8 @@ fn shares(law: &SoughtLaw, angles_deg: &[f64]) -> Option<[f64; ORDERS]> {
     let (mut h, mut b) = (DMatrix::zeros(ORDERS, ORDERS), DVector::zeros(ORDERS));
     for (degrees, weight) in everywhere.chain(of_winds) {
         let angle = degrees.to_radians();
-        let cosines = DVector::from_fn(ORDERS, |n, _| (2.0 * n as f64 * angle).cos());
-        b += weight * law.seen(angle.cos()) * &cosines;
+        let cosines = DVector::from_fn(ORDERS, |n, _| libm::cos(2.0 * n as f64 * angle));
+        b += weight * law.seen(libm::cos(angle)) * &cosines;
         h += weight * &cosines * cosines.transpose();
     }
     let found = h.cholesky()?.solve(&b);
@@ -227,8 +227,8 @@ mod tests {
             let error = |degrees: &f64| {
                 let angle = degrees.to_radians();
                 let series: f64 =
-                    shares.iter().enumerate().map(|(n, share)| share * (2.0 * n as f64 * angle).cos()).sum();
-                (series / law.seen(angle.cos()) - 1.0).abs()
+                    shares.iter().enumerate().map(|(n, share)| share * libm::cos(2.0 * n as f64 * angle)).sum();
+                (series / law.seen(libm::cos(angle)) - 1.0).abs()
             };
             angles.iter().map(error).fold(0.0, f64::max)
         };

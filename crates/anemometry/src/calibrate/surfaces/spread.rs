@@ -127,8 +127,8 @@ fn speeds(moving: &[&CheckedWind]) -> Vec<String> {
         .zip(edges.skip(1))
         .filter(|((_, below), (above, _))| above.reynolds > WIDEST_STEP * below.reynolds)
         .map(|((_, below), (above, _))| {
-            let count = ((above.reynolds / below.reynolds).ln() / WIDEST_STEP.ln()).ceil();
-            let ratio = (above.speed_m_s / below.speed_m_s).powf(1.0 / count);
+            let count = (libm::log(above.reynolds / below.reynolds) / libm::log(WIDEST_STEP)).ceil();
+            let ratio = libm::pow(above.speed_m_s / below.speed_m_s, 1.0 / count);
             let between: Vec<String> = (1..count as i32).map(|j| digits(below.speed_m_s * ratio.powi(j))).collect();
             let (range, between) = (speeds_of(below, above, "and"), between.join(", "));
             format!("no wind between {range}: winds at about {between} m/s are missing")
@@ -147,7 +147,7 @@ fn plane(moving: &[&CheckedWind]) -> Option<String> {
     let moments: Matrix3<f64> = directions().map(|w| w * w.transpose()).sum();
     let eigen = SymmetricEigen::new(moments);
     let normal = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned();
-    let out = directions().map(|w| w.dot(&normal).abs()).fold(0.0, f64::max).min(1.0).asin().to_degrees();
+    let out = libm::asin(directions().map(|w| w.dot(&normal).abs()).fold(0.0, f64::max).min(1.0)).to_degrees();
     (out < LEAST_OUT_OF_PLANE).then(|| {
         format!(
             "all winds lie in one plane, within {out:.0}°: winds along its normal {}, or at least {LEAST_OUT_OF_PLANE:.0}° out of it, \
@@ -229,7 +229,7 @@ pub fn mirrored(head: &SurfaceGeometry<'_>, moving: &[&CheckedWind]) -> Vec<Stri
         true => sides.iter().map(|side| side * side.dot(&facing).signum()).collect(),
         false => vec![facing],
     };
-    let beyond = -BEYOND.to_radians().sin();
+    let beyond = -libm::sin(BEYOND.to_radians());
     let is_in_front = |from: Vector3<f64>| fronts.iter().all(|front| from.dot(front) >= beyond * front.norm());
     moving.iter().filter(|wind| !is_in_front(-Vector3::from(wind.towards))).map(|wind| wind.label.clone()).collect()
 }

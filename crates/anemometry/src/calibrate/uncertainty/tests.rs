@@ -16,8 +16,8 @@ fn winds(noise: f64, missed: f64, spread: f64) -> Vec<ComparedWind> {
             let own = missed * (1.0 + 2.0 * place);
             let (a, b) = (normal(), normal());
             ComparedWind {
-                reynolds: 10.0 * 8_f64.powf(place),
-                direction_deg: Some((noise.hypot(own) * a.hypot(b)).to_degrees()),
+                reynolds: 10.0 * libm::pow(8.0, place),
+                direction_deg: Some((libm::hypot(noise, own) * libm::hypot(a, b)).to_degrees()),
                 speed: noise * normal() + own * normal(),
                 stated: StatedError {
                     speed_u: noise,

@@ -61,7 +61,7 @@ impl Calibration {
         let slowest = table.convection.iter_mut().map(|of| &mut of.slowest_reynolds);
         reynolds.chain(of_card).chain(slowest).for_each(|of| *of *= scale);
         for share in table.uncertainty.iter_mut().flat_map(|of| &mut of.speed_share) {
-            *share = share.hypot(scale_u / scale).min(1.0);
+            *share = libm::hypot(*share, scale_u / scale).min(1.0);
         }
         table.with_head(head)
     }

@@ -262,7 +262,7 @@ impl ConvectionModelTable {
             }),
             stem: self.stem.as_ref().map(|of| StemConfig {
                 axis: narrow(of.axis),
-                unknown_chord: (2.0 * (0.5 * of.unknown_deg.to_radians()).sin()) as f32,
+                unknown_chord: (2.0 * libm::sin(0.5 * of.unknown_deg.to_radians())) as f32,
                 factor: of.factor.map(|x| x as f32),
                 deflection: of.deflection.map(|x| x as f32),
             }),

@@ -1,9 +1,10 @@
+use diffusive::random::StandardNormal;
 use dr_core::model::{
     ConvectionObserver, ConvectionObserverState, GainsConfig, NetworkSelfHeatingConfig, ORDER, TickInput,
 };
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
-use rand_distr::{Distribution as _, StandardNormal};
+use rand_distr::Distribution as _;
 
 use super::*;
 use crate::network::from_model::sections;
@@ -172,12 +173,12 @@ fn swing(plant: &Plant<'_>, hz: f64, mut estimate: impl FnMut(f64) -> f64) -> f6
     for n in 0..(60.0 * periods) as usize {
         let phase = omega * n as f64;
         let found = estimate(truth.temperature_c());
-        truth.step(1e-3 * phase.sin());
+        truth.step(1e-3 * libm::sin(phase));
         if n as f64 >= 40.0 * periods {
-            (sine, cosine, count) = (sine + found * phase.sin(), cosine + found * phase.cos(), count + 0.5);
+            (sine, cosine, count) = (sine + found * libm::sin(phase), cosine + found * libm::cos(phase), count + 0.5);
         }
     }
-    1e3 * (sine / count).hypot(cosine / count)
+    1e3 * libm::hypot(sine / count, cosine / count)
 }
 
 #[test]

@@ -100,7 +100,7 @@ impl SlowEvidence {
 
     /// Length of a slot, s.
     pub fn slot_s(&self) -> f64 {
-        SLOT_S * f64::from(self.doubled).exp2()
+        SLOT_S * libm::exp2(f64::from(self.doubled))
     }
 
     /// Time of the first estimate, s.
@@ -197,7 +197,7 @@ pub fn equations<const N: usize>(
             if let Some((_, _, null)) = &mut last {
                 *null = spare.null;
             }
-            correlation = (-0.5 * distance_square(wind_m_s, *last_m_s)).exp();
+            correlation = libm::exp(-0.5 * distance_square(wind_m_s, *last_m_s));
         }
         let unrest = |i: usize| {
             let since = before.as_ref().map_or(0.0, |(of, ..)| slot.conductance_w_k[i] - of.conductance_w_k[i]);
@@ -232,7 +232,7 @@ pub fn distinct(equations: &[Option<SlowEquation>]) -> usize {
 /// d²
 fn distance_square(a: [f64; 3], b: [f64; 3]) -> f64 {
     let angle_rad = angle_deg(a, b).to_radians();
-    let faster = (length(a) / length(b)).ln();
+    let faster = libm::log(length(a) / length(b));
     (angle_rad.powi(2) + faster.powi(2)) / ALIKE.powi(2)
 }
 

@@ -338,7 +338,7 @@ mod tests {
                 let step = [0.754_877_666, 0.569_840_291, 0.618_033_989, 0.414_213_562][i % SECTORS];
                 12.0_f64.sqrt() * (((second / 2) as f64 * step).fract() - 0.5)
             };
-            let wave = wave_w_k * (0.6 * half as f64).sin();
+            let wave = wave_w_k * libm::sin(0.6 * half as f64);
             let moves = if since_s < 100.0 { QualityFlags::SATURATED } else { QualityFlags::default() };
             evidence.add(
                 time_s,

@@ -130,7 +130,7 @@ impl SurfaceErrorReport {
         }
         let (scale, unit, digits) = if gains { (1e2, "%", 1) } else { (1e3, "mW", 2) };
         // As many as say something of the uncertainty.
-        let digits = if u > 0.0 { (-(scale * u).log10().floor()).clamp(f64::from(digits), 4.0) as usize } else { 2 };
+        let digits = if u > 0.0 { (-libm::log10(scale * u).floor()).clamp(f64::from(digits), 4.0) as usize } else { 2 };
         let moves = most - least > CLEAR * u;
         let over =
             if moves { format!(" ({:.digits$} to {:.digits$})", scale * least, scale * most) } else { String::new() };

@@ -167,7 +167,7 @@ impl FilterUpdate {
 
     /// Its part of −2 ln of the likelihood.
     fn doubt(&self) -> f64 {
-        self.variance.ln() + self.innovation * self.innovation / self.variance
+        libm::log(self.variance) + self.innovation * self.innovation / self.variance
     }
 }
 
@@ -225,7 +225,7 @@ const fn place(error: usize) -> usize {
 /// Transition of a slot and what it adds to the covariance; e changes with the equations.
 fn transition(prior: &SlowPrior, slot_s: f64) -> (Covariance, Covariance) {
     let a = 3.0_f64.sqrt() * slot_s / prior.time_s;
-    let decay = (-a).exp();
+    let decay = libm::exp(-a);
     let [[ss, sd], [ds, dd]] = [[1.0 + a, a], [-a, 1.0 - a]].map(|row| row.map(|x| decay * x));
     let (mut transition, mut added) = (Covariance::identity(), Covariance::zeros());
     for (i, j) in pairs() {
@@ -340,7 +340,7 @@ mod tests {
     fn slots(turning: bool, truth: impl Fn(usize) -> [f64; SECTORS]) -> Vec<Option<SlowEquation>> {
         let equation = |n: usize| {
             let angle = if turning { 2.4 * n as f64 } else { 0.3 };
-            let per_mw = core::array::from_fn(|i| 10.0 + 20.0 * (angle * (1.0 + i as f64) + i as f64).sin());
+            let per_mw = core::array::from_fn(|i| 10.0 + 20.0 * libm::sin(angle * (1.0 + i as f64) + i as f64));
             let explained: f64 = per_mw.iter().zip(truth(n)).map(|(a, s)| a * s).sum();
             // Uniform of variance 1.
             let noise = 12.0_f64.sqrt() * ((n as f64 * 0.754_877_666).fract() - 0.5);

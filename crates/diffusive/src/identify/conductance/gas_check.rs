@@ -24,8 +24,8 @@ const NEAR: f64 = 0.005;
 pub(super) fn contradiction(free: &Model, model: &Model, given_c: f64, rise_k: f64) -> Option<String> {
     let gas = estimated(free)?;
     let outputs = free.outputs.iter().zip(&model.outputs);
-    let logs = outputs.map(|(free, given)| (free.residual_rms / given.residual_rms).ln());
-    let ratio = (logs.sum::<f64>() / model.outputs.len() as f64).exp();
+    let logs = outputs.map(|(free, given)| libm::log(free.residual_rms / given.residual_rms));
+    let ratio = libm::exp(logs.sum::<f64>() / model.outputs.len() as f64);
     contradicts(gas, given_c, rise_k, ratio).then(|| {
         format!(
             "the gas temperature was given as {given_c} °C, but the record says some {:.2} °C, with which residuals are smaller by {:.0} %: conductances are wrong with it; measure it, or leave --gas-temperature out to have it estimated",

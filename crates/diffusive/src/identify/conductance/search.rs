@@ -28,8 +28,8 @@ pub(super) struct ConductanceTrial {
 impl ConductanceTrial {
     /// The geometric mean of the outputs' scores, K².
     pub(super) fn overall(&self) -> f64 {
-        let logs = self.scores.iter().map(|score| score.overall().max(1e-300).ln());
-        (logs.sum::<f64>() / self.scores.len() as f64).exp()
+        let logs = self.scores.iter().map(|score| libm::log(score.overall().max(1e-300)));
+        libm::exp(logs.sum::<f64>() / self.scores.len() as f64)
     }
 }
 

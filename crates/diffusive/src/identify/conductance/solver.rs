@@ -183,7 +183,7 @@ impl Solver<'_> {
         if !thetas.iter().enumerate().all(is_held) {
             return f64::INFINITY;
         }
-        errors.iter().map(|error| error.max(f64::MIN_POSITIVE).ln()).sum()
+        errors.iter().map(|error| libm::log(error.max(f64::MIN_POSITIVE))).sum()
     }
 
     /// Σ_k R_k g_k · max |ΔG|: what a kelvin of an element takes from it by the next row.

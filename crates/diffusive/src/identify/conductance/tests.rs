@@ -31,7 +31,7 @@ struct SmallRecord {
 /// Two elements and three classes; temperatures are any numbers, since the columns do not ask where
 /// they come from.
 fn case() -> SmallRecord {
-    let wave = |at: usize, n: usize, low: f64, swing: f64| low + swing * (0.37 * (at + 1) as f64 * n as f64).sin();
+    let wave = |at: usize, n: usize, low: f64, swing: f64| low + swing * libm::sin(0.37 * (at + 1) as f64 * n as f64);
     let columns = |low: f64, swing: f64, from: usize| -> Vec<Vec<f64>> {
         (from..from + 2).map(|at| (0..ROWS).map(|n| wave(at, n, low, swing)).collect()).collect()
     };
@@ -80,7 +80,7 @@ fn states_of_w(case: &SmallRecord, rates_rad_s: &[f64]) -> Vec<Vec<f64>> {
     let mut states = Vec::new();
     for element in 0..2 {
         for &rate in rates_rad_s {
-            let gain = -(-rate * PERIOD_S).exp_m1();
+            let gain = -libm::expm1(-rate * PERIOD_S);
             let (mut x, mut column) = (0.0, Vec::with_capacity(ROWS));
             for n in 0..ROWS {
                 column.push(x);
@@ -143,7 +143,7 @@ fn slopes_are_differences_of_the_prediction() {
         let solver = solver(&roles, &design, gates);
         let winds = ClassConductances { gas_c: if gates { GAS_C } else { 0.0 }, ..case.winds.clone() };
         let terms = solver.places.terms(InitialState::Rest, &winds);
-        let theta = DVector::from_fn(terms.len(), |k, _| 3.0 + (k as f64).cos());
+        let theta = DVector::from_fn(terms.len(), |k, _| 3.0 + libm::cos(k as f64));
         // A prediction is a weight for every column, so its derivative is one as well.
         let prediction = |winds: &ClassConductances| {
             DVector::from_vec(in_columns(&solver.places.terms(InitialState::Rest, winds), &theta, design.width()))
@@ -172,15 +172,15 @@ fn slopes_are_differences_of_the_prediction() {
 /// takes from the next row.
 fn held(loop_gain: f64, noise_k: f64) -> (RecordTable, CandidateMesh, ClassConductances) {
     let (resistances, rates_rad_s) = ([100.0, 50.0], vec![0.05, 0.5]);
-    let gains: Vec<f64> = rates_rad_s.iter().map(|rate: &f64| -(-rate * PERIOD_S).exp_m1()).collect();
+    let gains: Vec<f64> = rates_rad_s.iter().map(|rate: &f64| -libm::expm1(-rate * PERIOD_S)).collect();
     let of_a_watt: f64 = resistances.iter().zip(&gains).map(|(resistance, gain)| resistance * gain).sum();
     let taken = [0.0, loop_gain / of_a_watt];
     let (mut x, mut powers_w, mut temperatures_c, mut events) = ([0.0; 2], Vec::new(), Vec::new(), Vec::new());
     for n in 0..ROWS {
-        let (class, power_w) = ((n / 23) % 2, 0.04 + 0.03 * (0.37 * (n * n % 101) as f64).sin());
+        let (class, power_w) = ((n / 23) % 2, 0.04 + 0.03 * libm::sin(0.37 * (n * n % 101) as f64));
         let rise_k = x[0] * resistances[0] + x[1] * resistances[1];
         powers_w.push(power_w);
-        temperatures_c.push(GAS_C + rise_k + noise_k * (2.3 * (n * n % 89) as f64).sin());
+        temperatures_c.push(GAS_C + rise_k + noise_k * libm::sin(2.3 * (n * n % 89) as f64));
         events.push(["a", "b"][class]);
         for (x, gain) in x.iter_mut().zip(&gains) {
             *x += gain * (power_w - taken[class] * rise_k - *x);

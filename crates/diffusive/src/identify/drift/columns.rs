@@ -233,7 +233,7 @@ mod tests {
     /// (1 − φL)/(1 − ϑL) as it is defined, one section after the other.
     fn filtered(values: &[f64], filter: &NoiseFilter) -> Vec<f64> {
         filter.sections.iter().fold(values.to_vec(), |values, section| {
-            let [pole, zero] = [section.pole_rad_s, section.zero_rad_s].map(|rate| (-rate * PERIOD_S).exp());
+            let [pole, zero] = [section.pole_rad_s, section.zero_rad_s].map(|rate| libm::exp(-rate * PERIOD_S));
             let mut last = (0.0, 0.0);
             values
                 .iter()

@@ -64,7 +64,7 @@ impl NoiseFilter {
     /// What of a level is left, on the mean over a time to come.
     pub fn left_within(&self, time_s: f64) -> f64 {
         let decays = self.rate_rad_s() * time_s;
-        if decays > 0.0 { -(-decays).exp_m1() / decays } else { 1.0 }
+        if decays > 0.0 { -libm::expm1(-decays) / decays } else { 1.0 }
     }
 
     /// The increment's standard deviation of a walk in K/√s, or the standard deviation of a level

@@ -91,7 +91,7 @@ pub fn poles(mesh_rad_s: &[f64], duration_s: f64, sample_period_s: f64) -> Vec<f
     let (least, most) = (SLOWEST / duration_s, std::f64::consts::PI / sample_period_s);
     let middles = mesh_rad_s.windows(2).map(|two| (two[0] * two[1]).sqrt());
     let mut poles: Vec<f64> = Vec::new();
-    let apart = 10_f64.powf(0.9 / POLES_PER_DECADE);
+    let apart = libm::pow(10.0, 0.9 / POLES_PER_DECADE);
     for rate in middles.filter(|rate| (least..=most).contains(rate)) {
         if poles.last().is_none_or(|last| rate >= apart * last) {
             poles.push(rate);

@@ -106,14 +106,14 @@ impl DriftCase<'_> {
             DriftKind::Correlated => {
                 // From one over the record on, as far as a pole allows.
                 let slowest = 0.25 * poles.first().copied().unwrap_or(1.0);
-                let zeros: Vec<f64> = (0..40).map(|step| slowest * 10_f64.powf(0.2 * f64::from(step))).collect();
+                let zeros: Vec<f64> = (0..40).map(|step| slowest * libm::pow(10.0, 0.2 * f64::from(step))).collect();
                 let zeros_of = |pole: f64| zeros.iter().copied().take_while(move |zero| *zero < 0.7 * pole);
                 let pairs = poles.iter().flat_map(|&pole| zeros_of(pole).map(move |zero| (pole, zero)));
                 let section = |(pole_rad_s, zero_rad_s)| of(vec![Section { pole_rad_s, zero_rad_s }]);
                 let coarse = self.weighed(pairs.map(section));
                 let between = self.between(&coarse);
                 let mut all = [coarse, between].concat();
-                let worth = (zeros.len() as f64).ln();
+                let worth = libm::log(zeros.len() as f64);
                 all.iter_mut().for_each(|(_, evidence)| *evidence -= worth);
                 all
             }
@@ -136,7 +136,7 @@ impl DriftCase<'_> {
             let zeros = &zeros;
             [0.25_f64, 0.5, 0.75].into_iter().flat_map(move |part| {
                 // The effective pole is both poles over the zero between them.
-                let middle = neighbour.powf(1.0 - part) * own.pole_rad_s.powf(part);
+                let middle = libm::pow(neighbour, 1.0 - part) * libm::pow(own.pole_rad_s, part);
                 let second = Section { pole_rad_s: neighbour, zero_rad_s: middle };
                 let first = move |&zero_rad_s: &f64| Section { zero_rad_s, ..own };
                 zeros.iter().map(move |zero| NoiseFilter { kind: best.kind, sections: vec![first(zero), second] })
@@ -161,7 +161,7 @@ fn starts_evidence(starts: Starts, rates_rad_s: &[f64], filter: &NoiseFilter, sa
     let rate = |column: usize| design.initial_rad_s.get(column).copied().unwrap_or(0.0);
     let sum = |i: usize, j: usize| {
         let both = (rate(i) + rate(j)) * sample_period_s;
-        if both > 0.0 { (-both * rows).exp_m1() / (-both).exp_m1() } else { rows }
+        if both > 0.0 { libm::expm1(-both * rows) / libm::expm1(-both) } else { rows }
     };
     let sums = DMatrix::from_fn(width, width, sum);
     let own: Vec<usize> = (0..rates_rad_s.len()).chain([offset]).collect();
@@ -175,7 +175,7 @@ fn starts_evidence(starts: Starts, rates_rad_s: &[f64], filter: &NoiseFilter, sa
     let held = DMatrix::from_diagonal(&plain.diagonal().map(held));
     let log = |sums: DMatrix<f64>| {
         let factor = Cholesky::new(sums + &held);
-        factor.map_or(0.0, |factor| factor.l_dirty().diagonal().iter().map(|pivot| pivot.ln()).sum::<f64>())
+        factor.map_or(0.0, |factor| factor.l_dirty().diagonal().iter().map(|pivot| libm::log(*pivot)).sum::<f64>())
     };
     starts.segments * (log(plain) - log(map.tr_mul(&(sums * &map))))
 }

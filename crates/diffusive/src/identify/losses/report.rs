@@ -26,7 +26,7 @@ pub fn complete(model: &mut Model, plain: &Model, losses: &[SearchedLoss], first
         let of_output = &mut model.outputs[used.placed.output];
         let inflation = of_output.whiteness.as_ref().map_or(1.0, |white| white.inflation);
         let g = Estimate { value: used.placed.g_w_per_k2, ..found.g(inflation) };
-        of_output.se_offset_c = of_output.se_offset_c.hypot(found.offset_slope * found.se_w_per_k2);
+        of_output.se_offset_c = libm::hypot(of_output.se_offset_c, found.offset_slope * found.se_w_per_k2);
         let b_slope = found.gain_k_per_w + g.value * found.gain_slope;
         let first = model.classes.first();
         let mut pair = model.pairs.iter_mut().find(|pair| pair.input == input && pair.output == output);
@@ -35,11 +35,11 @@ pub fn complete(model: &mut Model, plain: &Model, losses: &[SearchedLoss], first
             if Some(label) == first {
                 // Σ R moves with g, and is not known for a given g either.
                 let given_g = g.value * class.se_steady_gain_k_per_w;
-                let se = (b_slope * found.se_w_per_k2).hypot(given_g);
+                let se = libm::hypot(b_slope * found.se_w_per_k2, given_g);
                 b = Estimate { value: g.value * class.steady_gain_k_per_w, se: inflation * se };
             }
             let own = found.gain_slope * found.se_w_per_k2;
-            class.se_steady_gain_k_per_w = class.se_steady_gain_k_per_w.hypot(own);
+            class.se_steady_gain_k_per_w = libm::hypot(class.se_steady_gain_k_per_w, own);
         }
         elements.push(ElementLoss { output, input, g_w_per_k2: g, b_per_k: b });
     }

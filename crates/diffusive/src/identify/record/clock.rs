@@ -64,8 +64,8 @@ impl Clock {
         let turns =
             head.iter().take((head.len() / 4).clamp(SETTLED as usize, PHASE_ROWS)).filter(|time_s| time_s.is_finite());
         let turns = turns.map(|time_s| std::f64::consts::TAU * ((time_s - first_s) / step_s).fract());
-        let (sin, cos) = turns.fold((0.0, 0.0), |(sin, cos), turn| (sin + turn.sin(), cos + turn.cos()));
-        self.due_s = first_s + sin.atan2(cos) / std::f64::consts::TAU * step_s;
+        let (sin, cos) = turns.fold((0.0, 0.0), |(sin, cos), turn| (sin + libm::sin(turn), cos + libm::cos(turn)));
+        self.due_s = first_s + libm::atan2(sin, cos) / std::f64::consts::TAU * step_s;
         false
     }
 

@@ -144,31 +144,6 @@ impl RecordTable {
         Ok(self)
     }
 
-    /// Begins a segment with each of these rows, ascending and behind the first: nothing is known
-    /// of the time before them.
-    #[must_use]
-    pub fn with_segments(mut self, first_rows: &[usize]) -> Self {
-        let (mut blocks, mut row) = (Vec::new(), 0);
-        for block in self.blocks {
-            let mut from = 0;
-            let within = first_rows.iter().map(|first| first.wrapping_sub(row)).filter(|at| *at < block.len());
-            for at in within.chain([block.len()]) {
-                if at > from {
-                    let begins_segment = first_rows.contains(&(row + from));
-                    blocks.push(Block { begins_segment, ..block.rows(from..at) });
-                }
-                from = at;
-            }
-            row += block.len();
-        }
-        self.blocks = blocks;
-        self.survey.segments = 1 + first_rows.len() as u64;
-        let borders: Vec<usize> = [0].into_iter().chain(first_rows.iter().copied()).chain([row]).collect();
-        let longest = borders.windows(2).map(|pair| pair[1] - pair[0]).max();
-        self.survey.longest_rows = longest.unwrap_or(row) as u64;
-        self
-    }
-
     /// What errors and provenance call the table.
     #[must_use]
     pub fn named(mut self, path: &Path) -> Self {

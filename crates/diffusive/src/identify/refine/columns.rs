@@ -90,7 +90,7 @@ impl Setup {
 }
 
 fn tripled(rates_rad_s: &[f64]) -> Vec<f64> {
-    rates_rad_s.iter().flat_map(|rate| [rate * (-STEP).exp(), *rate, rate * STEP.exp()]).collect()
+    rates_rad_s.iter().flat_map(|rate| [rate * libm::exp(-STEP), *rate, rate * libm::exp(STEP)]).collect()
 }
 
 /// Pole and side (0 slower, 1 itself, 2 faster) of a parameter that has a rate.

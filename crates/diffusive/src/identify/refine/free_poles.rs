@@ -90,7 +90,7 @@ pub fn settled(
     }
     for k in 0..poles - 1 {
         let variance = point.covariance(k, k) + point.covariance(k + 1, k + 1) - 2.0 * point.covariance(k, k + 1);
-        if (rates[k + 1] / rates[k]).ln() < 2.0 * variance.max(0.0).sqrt() {
+        if libm::log(rates[k + 1] / rates[k]) < 2.0 * variance.max(0.0).sqrt() {
             unresolved.push(format!(
                 "`{name}`: the poles at {:.4e} and {:.4e} rad/s are no further apart than twice their standard error: {poles} poles are more than this record can tell apart; ask for fewer with --free-poles",
                 rates[k],

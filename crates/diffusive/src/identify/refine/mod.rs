@@ -57,10 +57,6 @@ pub fn refuse(survey: &Survey, poles: usize, options: &IdentifyOptions) -> Resul
     survey.refuse_if(
         options.structure == Some(Structure::Conductance),
         "free poles are for structure `symbol`; `anemo model reduce` makes any model smaller",
-    )?;
-    survey.refuse_if(
-        options.cross.is_some(),
-        "with free poles all inputs share an output's rates: leave out --cross-order and --cross-mesh",
     )
 }
 

@@ -104,7 +104,8 @@ impl RateSearch {
                 step.iter_mut().for_each(|step| *step /= longest);
             }
             let (least, most) = self.bounds_rad_s;
-            let moved = best.rates_rad_s.iter().zip(&step).map(|(rate, step)| (rate * step.exp()).clamp(least, most));
+            let moved =
+                best.rates_rad_s.iter().zip(&step).map(|(rate, step)| (rate * libm::exp(*step)).clamp(least, most));
             let moved: Vec<f64> = moved.collect();
             match moved.windows(2).position(|two| two[1] < LEAST_RATIO * two[0]) {
                 None => {
@@ -141,7 +142,7 @@ fn pinned(best: &Point, (least, most): (f64, f64)) -> Vec<bool> {
 
 /// A start within its range, whose neighbours are far enough apart to move.
 fn spread(rates_rad_s: &[f64], (least, most): (f64, f64)) -> Vec<f64> {
-    let apart = 1.3_f64.min((most / least).powf(1.0 / rates_rad_s.len() as f64));
+    let apart = 1.3_f64.min(libm::pow(most / least, 1.0 / rates_rad_s.len() as f64));
     let mut spread: Vec<f64> = rates_rad_s.iter().map(|rate| rate.clamp(least, most)).collect();
     for k in 1..spread.len() {
         spread[k] = spread[k].max(apart * spread[k - 1]);

@@ -18,32 +18,11 @@ use super::super::support;
 /// power.
 const MOST_UNKNOWNS: usize = 300;
 
-/// A bank's part: which input drives it in which class, and whether it belongs to the element's own
-/// heat.
+/// A bank's part: which input drives it in which class.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BankPart {
     pub input: usize,
     pub class: usize,
-    pub kind: PairKind,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum PairKind {
-    /// For every output.
-    Any,
-    /// For the output of the same number only, or for all others.
-    Own,
-    Cross,
-}
-
-impl BankPart {
-    pub fn is_seen_by(self, output: usize) -> bool {
-        match self.kind {
-            PairKind::Any => true,
-            PairKind::Own => self.input == output,
-            PairKind::Cross => self.input != output,
-        }
-    }
 }
 
 /// Meshes that allow for an offset that moves, behind the others; none where they are more than the
@@ -70,8 +49,8 @@ fn meshes_besides(
 }
 
 /// Every input, in every class if there are several.
-fn parts(inputs: usize, classes: usize, kind: PairKind) -> Vec<BankPart> {
-    (0..inputs).flat_map(|input| (0..classes).map(move |class| BankPart { input, class, kind })).collect()
+fn parts(inputs: usize, classes: usize) -> Vec<BankPart> {
+    (0..inputs).flat_map(|input| (0..classes).map(move |class| BankPart { input, class })).collect()
 }
 
 /// Meshes that the record's rows can determine, and that the machine can search.
@@ -129,25 +108,15 @@ impl SymbolPlan {
         let (inputs, outputs) = (survey.inputs.len(), survey.outputs.len());
         let mut meshes = meshes(&survey, classes.len(), &options.constraints)?;
         meshes.extend(meshes_besides(&survey, classes.len(), options, &meshes));
-        let parts_of = |kind| parts(inputs, classes.len(), kind);
-        let (parts, cross_rad_s) = match &options.cross {
-            None => (parts_of(PairKind::Any), None),
-            Some(given) => {
-                let parts = [parts_of(PairKind::Own), parts_of(PairKind::Cross)].concat();
-                (parts, Some(cross_rates(given, &meshes, &survey, classes.len())))
-            }
-        };
+        let parts = parts(inputs, classes.len());
         let bank = |part: &BankPart, mesh: &CandidateMesh| RelaxationBank {
             drive: match classes.len() > 1 {
                 true => BankDrive::Gated { input: part.input, class: part.class },
                 false => BankDrive::Input(part.input),
             },
-            rates_rad_s: match (&cross_rad_s, part.kind) {
-                (Some(cross), PairKind::Cross) => cross.clone(),
-                _ => mesh.all_rad_s(),
-            },
+            rates_rad_s: mesh.all_rad_s(),
             delay: path.delay,
-            feed_through: path.feed_through && part.kind != PairKind::Cross,
+            feed_through: path.feed_through,
         };
         // At rest nothing decays; but whether the record agrees is asked, where there is a choice.
         let may_begin =
@@ -229,22 +198,13 @@ impl SymbolPlan {
         self.survey.gas_column.is_some().then_some(self.parts.len())
     }
 
-    /// Whether a bank is a part of an output's model: filters' means are of none.
-    pub fn is_seen(&self, bank: usize, output: usize) -> bool {
-        self.ambient_bank() == Some(bank) || self.parts.get(bank).is_some_and(|part| part.is_seen_by(output))
+    /// Whether a bank is a part of a model: filters' means are of none.
+    pub fn is_seen(&self, bank: usize) -> bool {
+        self.ambient_bank() == Some(bank) || bank < self.parts.len()
     }
 
     /// Whether inputs drive only in their class.
     pub fn is_gated(&self) -> bool {
         self.classes.len() > 1
     }
-}
-
-/// Rates of cross-heating: what is not given is as on the first mesh.
-fn cross_rates(given: &Constraints, meshes: &[CandidateMesh], survey: &Survey, classes: usize) -> Vec<f64> {
-    let own = &meshes[0].rates_rad_s;
-    let edges = given.edges_rad_s.or(Some((own[0], own[own.len() - 1])));
-    let order = given.order.or(Some(own.len()));
-    let given = Constraints { order, edges_rad_s: edges, ..Constraints::default() };
-    candidates::meshes(survey.longest_s(), survey.sample_period_s, classes, &given).remove(0).rates_rad_s
 }

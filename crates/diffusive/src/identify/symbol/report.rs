@@ -11,7 +11,7 @@ use super::super::outcome;
 use super::super::residual_pass::ResidualPass;
 use super::super::support;
 use super::super::whiteness::is_white;
-use super::plan::{BankPart, SymbolPlan, SymbolReading};
+use super::plan::{SymbolPlan, SymbolReading};
 use crate::model::{Chosen, Followed, Following, Model, ModelAmbient, Pair, Structure};
 
 /// All that a model is written from.
@@ -82,12 +82,11 @@ impl SymbolResult<'_> {
             for (input, name) in survey.inputs.iter().enumerate() {
                 let mut classes = BTreeMap::new();
                 let mut mesh_rad_s = Vec::new();
-                let is_its = |part: &BankPart| part.input == input && part.is_seen_by(output);
-                for (bank, part) in parts.iter().enumerate().filter(|(_, part)| is_its(part)) {
+                for (bank, part) in parts.iter().enumerate().filter(|(_, part)| part.input == input) {
                     mesh_rad_s = self.reading.plan.rates_of(choice.trial.mesh, bank);
                     let mut class = self.fitted[output].class(bank, 0..0);
                     let spread = choice.gain_spread.get(bank).map_or(0.0, |spread| spread.median);
-                    class.se_steady_gain_k_per_w = class.se_steady_gain_k_per_w.hypot(spread);
+                    class.se_steady_gain_k_per_w = libm::hypot(class.se_steady_gain_k_per_w, spread);
                     classes.insert(labels[part.class].clone(), class);
                 }
                 pairs.push(Pair {

@@ -35,7 +35,7 @@ fn rig(g_w_per_k2: f64) -> [Vec<f64>; 3] {
             bit = if noise(&mut state) > 0.0 { 2.0 * level } else { 0.5 * level };
         }
         let time_s = row as f64 * PERIOD_S;
-        let outside_k = 1.5 * (time_s / 2500.0).sin() + 0.8 * (time_s / 700.0).cos() - 0.8;
+        let outside_k = 1.5 * libm::sin(time_s / 2500.0) + 0.8 * libm::cos(time_s / 700.0) - 0.8;
         let rise_k: f64 = BODY.iter().zip(x).map(|((resistance, _), x)| resistance * x).sum();
         let followed_k: f64 = FOLLOWS.iter().zip(a).map(|((share, _), a)| share * a).sum();
         power_w.push(bit);

@@ -107,7 +107,7 @@ pub(super) fn prior_widths(model: &Model, output: usize) -> Vec<(f64, f64)> {
     let mut widen = |rate: f64, greatest: f64| {
         if greatest > 0.0 {
             match widths.iter_mut().find(|(known, _)| *known == rate) {
-                Some((_, width)) => *width = width.hypot(greatest),
+                Some((_, width)) => *width = libm::hypot(*width, greatest),
                 None => widths.push((rate, greatest)),
             }
         }

@@ -96,7 +96,7 @@ fn an_error_beyond_what_the_record_lets_expect_is_said() {
     };
     assert!(of(&|_| 0.0).warnings.is_empty());
     // A room that swings by 0.2 K in five minutes.
-    let swung = of(&|row| 0.2 * (row as f64 / 100.0).sin());
+    let swung = of(&|row| 0.2 * libm::sin(row as f64 / 100.0));
     let warning = &swung.warnings[0];
     assert!(warning.contains("times the error that the model's record lets expect"), "{warning}");
     assert!(swung.to_string().contains("; residuals coloured\n"), "{swung}");

@@ -30,7 +30,7 @@ pub fn log_spacing(mesh_rad_s: &[f64]) -> Result<Vec<f64>, ModelError> {
     })?;
     let spacing = |k: usize| {
         let (below, above) = (k.saturating_sub(1), (k + 1).min(last));
-        (mesh_rad_s[above] / mesh_rad_s[below]).ln() / (above - below) as f64
+        libm::log(mesh_rad_s[above] / mesh_rad_s[below]) / (above - below) as f64
     };
     Ok((0..=last).map(spacing).collect())
 }
@@ -47,8 +47,8 @@ mod tests {
         let density = |rate: f64| rate.sqrt() / (std::f64::consts::PI * (1.0 + rate));
         for order in [7, 25] {
             let rates: Vec<f64> = (0..order).map(|k| mesh::rate_rad_s(1e-3, 1e3, k, order)).collect();
-            let ratio = 1e6_f64.powf(1.0 / (order - 1) as f64);
-            let r: Vec<f64> = rates.iter().map(|&rate| density(rate) * ratio.ln()).collect();
+            let ratio = libm::pow(1e6, 1.0 / (order - 1) as f64);
+            let r: Vec<f64> = rates.iter().map(|&rate| density(rate) * libm::log(ratio)).collect();
             for (value, &rate) in continuous_symbol(&rates, &r).unwrap().iter().zip(&rates) {
                 // a few roundings
                 assert!((value / density(rate) - 1.0).abs() < 1e-12);

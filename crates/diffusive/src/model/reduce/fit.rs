@@ -59,8 +59,8 @@ impl ReductionProblem<'_> {
 
     /// Moves all rates freely.
     pub fn refine_free(&self, start_rad_s: &[f64]) -> Option<Fit> {
-        let start = start_rad_s.iter().map(|rate| rate.ln()).collect();
-        self.refine(start, |logs| logs.iter().map(|log| log.exp()).collect())
+        let start = start_rad_s.iter().map(|rate| libm::log(*rate)).collect();
+        self.refine(start, |logs| logs.iter().map(|log| libm::exp(*log)).collect())
     }
 
     /// Moves the edges of a geometric mesh.
@@ -68,8 +68,8 @@ impl ReductionProblem<'_> {
         if order == 1 {
             return self.refine_free(&[(first_rad_s * last_rad_s).sqrt()]);
         }
-        self.refine(vec![first_rad_s.ln(), last_rad_s.ln()], |edges| {
-            (0..order).map(|k| mesh::rate_rad_s(edges[0].exp(), edges[1].exp(), k, order)).collect()
+        self.refine(vec![libm::log(first_rad_s), libm::log(last_rad_s)], |edges| {
+            (0..order).map(|k| mesh::rate_rad_s(libm::exp(edges[0]), libm::exp(edges[1]), k, order)).collect()
         })
     }
 
@@ -146,7 +146,7 @@ fn linearised(
 /// Merges neighbouring poles until `order` are left: always the two that differ least, for what
 /// they weigh (Ward's criterion on the logarithmic axis).
 pub fn merged(poles: &[(f64, f64)], order: usize) -> Vec<f64> {
-    let mut poles: Vec<(f64, f64)> = poles.iter().map(|&(rate, weight)| (rate.ln(), weight)).collect();
+    let mut poles: Vec<(f64, f64)> = poles.iter().map(|&(rate, weight)| (libm::log(rate), weight)).collect();
     while poles.len() > order {
         let price = |i: usize| {
             let ((a, m), (b, n)) = (poles[i], poles[i + 1]);
@@ -157,7 +157,7 @@ pub fn merged(poles: &[(f64, f64)], order: usize) -> Vec<f64> {
         let share = if m + n > 0.0 { n / (m + n) } else { 0.5 };
         poles[cheapest] = (a + share * (b - a), m + n);
     }
-    poles.into_iter().map(|(log, _)| log.exp()).collect()
+    poles.into_iter().map(|(log, _)| libm::exp(log)).collect()
 }
 
 #[cfg(test)]

@@ -79,12 +79,12 @@ pub fn measure(
         if bit { 1.0 } else { -1.0 }
     });
     let mut random = ChaCha8Rng::seed_from_u64(1);
-    let spans = Uniform::new(2.0_f64.ln(), (3.0 / slowest).max(4.0).ln()).map_err(refused)?;
+    let spans = Uniform::new(libm::log(2.0), libm::log((3.0 / slowest).max(4.0))).map_err(refused)?;
     let levels = Uniform::new(-1.0_f32, 1.0).map_err(refused)?;
     let (mut left, mut level) = (0, 0.0);
     let levels = run(whole, &small, period_s, samples, |_| {
         if left == 0 {
-            (left, level) = (spans.sample(&mut random).exp() as usize, levels.sample(&mut random));
+            (left, level) = (libm::exp(spans.sample(&mut random)) as usize, levels.sample(&mut random));
         }
         left -= 1;
         level

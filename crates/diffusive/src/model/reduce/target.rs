@@ -33,9 +33,9 @@ impl ReductionTarget {
     pub fn new(mesh_rad_s: &[f64], classes: &[&[f64]], sample_period_s: f64) -> Self {
         let nyquist = std::f64::consts::PI / sample_period_s;
         let first = mesh_rad_s.first().map_or(nyquist / 100.0, |slowest| (slowest / 10.0).min(nyquist / 100.0));
-        let points = ((nyquist / first).log10() * POINTS_A_DECADE).ceil() as usize + 1;
+        let points = (libm::log10(nyquist / first) * POINTS_A_DECADE).ceil() as usize + 1;
         let omega_rad_s = (0..points).map(|n| mesh::rate_rad_s(first, nyquist, n, points)).collect();
-        let step = (nyquist / first).ln() / (points - 1) as f64;
+        let step = libm::log(nyquist / first) / (points - 1) as f64;
         let mut target = Self { sample_period_s, omega_rad_s, weight: Vec::new(), wanted: Vec::new() };
         let basis = target.basis(mesh_rad_s);
         for r in classes {
@@ -75,7 +75,7 @@ impl ReductionTarget {
             for (n, omega) in self.omega_rad_s.iter().enumerate() {
                 let angle = omega * self.sample_period_s;
                 // e^(jφ) − 1 without its cancellation
-                let away = Complex::new(-2.0 * (angle / 2.0).sin().powi(2), angle.sin());
+                let away = Complex::new(-2.0 * libm::sin(angle / 2.0).powi(2), libm::sin(angle));
                 let value = gain / (away + gain);
                 basis[(2 * n + 1, k)] = value.re;
                 basis[(2 * n + 2, k)] = value.im;

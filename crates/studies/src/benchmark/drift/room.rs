@@ -11,9 +11,10 @@ use std::f64::consts::TAU;
 
 use diffusive::identify::record::{RecordError, RecordTable};
 use diffusive::identify::{DriftGiven, DriftKind};
+use diffusive::random::StandardNormal;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
-use rand_distr::{Distribution as _, StandardNormal};
+use rand_distr::Distribution as _;
 
 /// s
 pub const SAMPLE_PERIOD_S: f64 = 0.05;
@@ -92,7 +93,7 @@ impl RoomDrift {
                 (0..ROWS).map(walk).collect()
             }
             Self::Correlated(correlation_s) => {
-                let kept = (-SAMPLE_PERIOD_S / correlation_s).exp();
+                let kept = libm::exp(-SAMPLE_PERIOD_S / correlation_s);
                 let fresh = MOVES_K * (1.0 - kept * kept).sqrt();
                 let mut level = MOVES_K * normal();
                 let walk = |_| {
@@ -104,7 +105,7 @@ impl RoomDrift {
             Self::Sine => {
                 let phase = TAU * uniform(normal());
                 (0..ROWS)
-                    .map(|row| MOVES_K * (TAU * time_s(row) / 5200.0 + phase).sin() + 0.1 * time_s(row) / 3600.0)
+                    .map(|row| MOVES_K * libm::sin(TAU * time_s(row) / 5200.0 + phase) + 0.1 * time_s(row) / 3600.0)
                     .collect()
             }
             Self::Door => {
@@ -112,7 +113,7 @@ impl RoomDrift {
                 let opened = [uniform(normal()) * span_s, uniform(normal()) * span_s];
                 let after = |row: usize, opened_s: f64| {
                     let since_s = time_s(row) - opened_s;
-                    if since_s < 0.0 { 0.0 } else { -MOVES_K * (-since_s / 300.0).exp() }
+                    if since_s < 0.0 { 0.0 } else { -MOVES_K * libm::exp(-since_s / 300.0) }
                 };
                 (0..ROWS).map(|row| opened.iter().map(|&opened_s| after(row, opened_s)).sum()).collect()
             }
@@ -162,7 +163,7 @@ pub fn record_and_room(room: RoomDrift, seed: u64) -> Result<(RecordTable, Vec<f
         let rise: f64 = RELAXATIONS.iter().zip(&states).map(|((resistance, _), state)| resistance * state).sum();
         temperature_c.push(ROOM_C + rise + room_k + NOISE_K * noise);
         for ((_, time_s), state) in RELAXATIONS.iter().zip(&mut states) {
-            *state += -(-SAMPLE_PERIOD_S / time_s).exp_m1() * (power - *state);
+            *state += -libm::expm1(-SAMPLE_PERIOD_S / time_s) * (power - *state);
         }
     }
     let record = RecordTable::new(

@@ -18,7 +18,6 @@ use dr_core::wind::HeadForm;
 use host_sim::experiment::Experiment;
 use recording::text::short;
 pub use report::HeadsReport;
-use serde::Serialize;
 use std::path::Path;
 
 /// Left out of every wind of the tunnel, s.
@@ -27,7 +26,7 @@ const SETTLE_S: f64 = 5.0;
 const BANDWIDTH: WindMode = WindMode { bandwidth_hz: 1.0, fixed: true };
 
 /// What one head reaches in one operating mode.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct HeadFigures {
     /// Its name.
     pub head: String,

@@ -1,16 +1,13 @@
-//! The figures of heads as text, as JSON and as a page.
-
-use std::fmt;
+//! The page of the heads' figures.
 
 use dr_core::wind::HeadForm;
-use serde::Serialize;
 
 use crate::table::ResultTable;
 
 use super::{BANDWIDTH, HeadFigures, MeasuredHead};
 
 /// What `studies benchmark heads` reports.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct HeadsReport {
     /// Head by head, and mode by mode.
     pub heads: Vec<HeadFigures>,
@@ -34,14 +31,6 @@ impl HeadFigures {
     }
 }
 
-fn legend() -> String {
-    format!(
-        "Each head is identified, calibrated in 60 winds and judged in winds that it has not seen, at {BANDWIDTH} and noise of 4 µV a \
-         reading: folders of `anemo head new`, and nothing of the truth. CTA, CCA and CPA are constant temperature, current and power: the \
-         latter two at what quiescent gas bears."
-    )
-}
-
 impl HeadsReport {
     /// Adds the figures of another head.
     pub fn extend(&mut self, other: MeasuredHead) {
@@ -55,23 +44,12 @@ impl HeadsReport {
             self.heads.iter().map(|of| format!("- {}, {}: {}\n", of.head, of.mode.name(), of.made_from)).collect();
         let refused: String = self.refused.iter().map(|sentence| format!("- {sentence}\n")).collect();
         let refused = if refused.is_empty() { refused } else { format!("\nNot calibrated:\n\n{refused}") };
+        let table = ResultTable::new(TITLES, self.heads.iter().map(HeadFigures::cells)).markdown();
         format!(
-            "# {title}\n\nBy `{command}`, {day}. {}\n\n{}\nTheir calibrations, with errors in winds that were left \
-             out:\n\n{made}{refused}",
-            legend(),
-            self.table().markdown()
+            "# {title}\n\nBy `{command}`, {day}. Each head is identified, calibrated in 60 winds and judged in winds that it has \
+             not seen, at {BANDWIDTH} and noise of 4 µV a reading: folders of `anemo head new`, and nothing of the truth. CTA, CCA \
+             and CPA are constant temperature, current and power: the latter two at what quiescent gas bears.\n\n{table}\nTheir \
+             calibrations, with errors in winds that were left out:\n\n{made}{refused}"
         )
-    }
-
-    fn table(&self) -> ResultTable {
-        ResultTable::new(TITLES, self.heads.iter().map(HeadFigures::cells))
-    }
-}
-
-impl fmt::Display for HeadsReport {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.table().text())?;
-        self.refused.iter().try_for_each(|sentence| writeln!(f, "{sentence}"))?;
-        writeln!(f, "\n{}", legend())
     }
 }

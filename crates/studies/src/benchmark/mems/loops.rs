@@ -6,7 +6,6 @@ use dielectric::predict::predict;
 use diffusive::model::Model;
 use dr_core::control::Drive;
 use recording::Recording;
-use serde::Serialize;
 
 use super::records::run_of;
 
@@ -18,7 +17,7 @@ const LOOP_S: f64 = 40_000.0;
 const GAIN_PER_TICK: f32 = 0.1;
 
 /// A set-point, predicted and simulated.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct LoopFigures {
     /// Of the loop.
     pub order: u8,
@@ -73,12 +72,10 @@ fn drive(order: u8, target: f32) -> Drive {
 }
 
 /// Days at a set-point.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct DaysFigures {
     /// Of the loop.
     pub order: u8,
-    /// From when on it is judged: its first crossing, s.
-    pub reached_s: f64,
     /// Greatest distance of the measured shift from the set-point then, V.
     pub most_off_v: f64,
     /// By how much one symbol moves the shift, V: the greatest change from row to row.
@@ -108,7 +105,6 @@ pub fn days(experiment: &DeviceExperiment, draw: &dyn Fn(&str, &Recording) -> Re
         let sixth = after.len() / 6;
         Ok(DaysFigures {
             order,
-            reached_s,
             most_off_v: off.clone().fold(0.0, |most, off| f64::max(most, off.abs())),
             step_v: steps.fold(0.0, f64::max),
             mean_off_v: off.sum::<f64>() / after.len() as f64,

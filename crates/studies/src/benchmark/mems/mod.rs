@@ -10,7 +10,7 @@
 //! | [`readings`] | quasi-differential against single readings |
 //! | [`loops`] | set-points held: predicted and simulated, and for days |
 //! | [`plateaus`] | where the loop of first order locks |
-//! | [`report`] | the figures as text, as JSON and as a page |
+//! | [`report`] | the page |
 
 pub mod loops;
 pub mod plateaus;

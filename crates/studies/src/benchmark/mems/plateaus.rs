@@ -6,7 +6,6 @@ use dielectric::experiment::{DeviceExperiment, DevicePhase};
 use dielectric::predict::{DevicePredictError, Plateau, response_of};
 use diffusive::identify::{DriftGiven, IdentifyOptions, identify};
 use dr_core::control::Drive;
-use serde::Serialize;
 
 use super::records::run_of;
 
@@ -22,7 +21,7 @@ const SEEN_TICKS: usize = 1680;
 const HALVINGS: u32 = 9;
 
 /// A plateau, predicted and simulated.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct PlateauFigures {
     /// From the model.
     pub predicted: Plateau,

@@ -1,12 +1,11 @@
 //! Voltage shifts by quasi-differential and by single readings, where C₀ drifts.
 
 use dielectric::experiment::DeviceExperiment;
-use serde::Serialize;
 
 use super::records::DeviceRecord;
 
 /// Root mean square errors over the first hour and over the whole record, V.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ReadingFigures {
     /// Length of what they are of, s.
     pub duration_s: f64,

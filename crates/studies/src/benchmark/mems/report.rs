@@ -1,11 +1,8 @@
-//! The figures as text, as JSON and as a page.
-
-use std::fmt;
+//! The page of the figures.
 
 use diffusive::identify::validate::ValidationReport;
 use diffusive::model::{Model, Pair};
 use recording::text::four_digits as brief;
-use serde::Serialize;
 
 use super::loops::{DaysFigures, LoopFigures};
 use super::plateaus::PlateauFigures;
@@ -13,7 +10,7 @@ use super::readings::ReadingFigures;
 use crate::table::ResultTable;
 
 /// All that was measured.
-#[derive(Debug, Serialize)]
+#[derive(Debug)]
 pub struct MemsReport {
     /// Over the first hour, and the whole record.
     pub readings: [ReadingFigures; 2],
@@ -28,7 +25,7 @@ pub struct MemsReport {
 }
 
 /// A model of two symbols, from a device without charge.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct TwoSymbolFigures {
     /// Fit on the second day, forecast, %.
     pub fit_percent: Option<f64>,
@@ -52,7 +49,7 @@ impl TwoSymbolFigures {
 }
 
 impl MemsReport {
-    fn tables(&self) -> [(&'static str, ResultTable); 5] {
+    fn tables(&self) -> [ResultTable; 5] {
         let readings = self.readings.iter().map(|of| {
             vec![
                 brief(of.duration_s),
@@ -105,38 +102,23 @@ impl MemsReport {
             ]
         });
         [
-            (
-                "Voltage shift by two readings and by one",
-                ResultTable::new("first, s | two readings, V rms | one reading, V rms | share", readings),
+            ResultTable::new("first, s | two readings, V rms | one reading, V rms | share", readings),
+            ResultTable::new("fit, second day | V rms | 1 for ever, V | −1 for ever, V", [two]),
+            ResultTable::new(
+                "order | set-point, V | mean symbol predicted | simulated | share of ones off by | shift off by, of the span | reached, s",
+                held,
             ),
-            (
-                "A day identified, the next one forecast",
-                ResultTable::new("fit, second day | V rms | 1 for ever, V | −1 for ever, V", [two]),
-            ),
-            (
-                "Set-points, predicted from the model and simulated",
-                ResultTable::new(
-                    "order | set-point, V | mean symbol predicted | simulated | share of ones off by | shift off by, of the span | reached, s",
-                    held,
-                ),
-            ),
-            (
-                "Two days at a set-point, the room 10 K warmer from the middle on",
-                ResultTable::new("order | most off, V | one symbol moves, V | mean off, V | mean symbol", days),
-            ),
-            (
-                "Locking of the loop of first order",
-                ResultTable::new(
-                    "ones | predicted, V | simulated, V | edges off by | mean symbol across it, first order | second order",
-                    plateaus,
-                ),
+            ResultTable::new("order | most off, V | one symbol moves, V | mean off, V | mean symbol", days),
+            ResultTable::new(
+                "ones | predicted, V | simulated, V | edges off by | mean symbol across it, first order | second order",
+                plateaus,
             ),
         ]
     }
 
     /// The page of the results.
     pub fn page(&self, day: &str) -> String {
-        let tables = self.tables().map(|(_, table)| table.markdown());
+        let tables = self.tables().map(|table| table.markdown());
         let fill = [
             ("day", day),
             ("readings", &tables[0]),
@@ -146,11 +128,5 @@ impl MemsReport {
             ("plateaus", &tables[4]),
         ];
         recording::template::fill(include_str!("page.md"), &fill).unwrap_or_else(|error| error.to_string())
-    }
-}
-
-impl fmt::Display for MemsReport {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.tables().iter().try_for_each(|(title, table)| writeln!(f, "{title}:\n{}", table.text()))
     }
 }

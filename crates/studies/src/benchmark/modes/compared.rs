@@ -4,7 +4,6 @@ use anemometry::head::Head;
 use host_sim::head_check::{GivenConditions, HeadConditions, check};
 use host_sim::sensor::{BodySurvey, construction_of};
 use recording::toml_file::FileError;
-use serde::Serialize;
 
 /// The wind before and after the step, m/s along −x.
 pub const WINDS_M_S: [f64; 2] = [3.0, 6.0];
@@ -14,8 +13,7 @@ const TIME_CONSTANTS: f64 = 6.0;
 const LONGEST_S: f64 = 7200.0;
 
 /// How the elements are operated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "UPPERCASE")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OperatingMode {
     /// Constant temperature, by the thermal sigma-delta loop.
     Cta,
@@ -40,7 +38,7 @@ impl OperatingMode {
 }
 
 /// What one mode comes to on one head.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModeFigures {
     /// The mode.
     pub mode: OperatingMode,

@@ -170,7 +170,7 @@ mod tests {
     fn a_first_order_course_has_its_own_response_and_what_it_leaves() {
         // A time constant of 20 s, and a creep of 10 % with 400 s: 90 % is reached where 0.9 (1 −
         // e^(−t/20)) + 0.1 (1 − e^(−t/400)) is 0.9, at 78.5 s.
-        let r = |t: f64| 1.0 + 0.9 * (1.0 - (-t / 20.0).exp()) + 0.1 * (1.0 - (-t / 400.0).exp());
+        let r = |t: f64| 1.0 + 0.9 * (1.0 - libm::exp(-t / 20.0)) + 0.1 * (1.0 - libm::exp(-t / 400.0));
         let after_w_k: Vec<f64> = (0..8000).map(|k| r(MEAN_S * (f64::from(k) + 0.5))).collect();
         let course = JumpCourse { after_w_k, before_w_k: 1.0 };
         assert!((course.response_s() - 78.5).abs() < 1.0, "{}", course.response_s());

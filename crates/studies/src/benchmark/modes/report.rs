@@ -1,24 +1,21 @@
-//! The figures of the modes as text, as JSON and as a page.
-
-use std::fmt;
+//! The page of the modes' figures.
 
 use anemometry::head::Head;
 use recording::text::short;
-use serde::Serialize;
 
 use crate::table::ResultTable;
 
 use super::compared::{ModeFigures, WINDS_M_S};
 
 /// What `studies benchmark modes` reports.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ModesReport {
     /// Head by head.
     pub heads: Vec<HeadModes>,
 }
 
 /// The modes on one head.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct HeadModes {
     /// Name of the head.
     pub head: String,
@@ -90,15 +87,12 @@ impl HeadModes {
         COLUMNS.iter().map(|(_, of)| cell(*of)).collect()
     }
 
-    /// Its part of a page.
-    fn table(&self) -> ResultTable {
+    /// Part of the page.
+    fn page(&self) -> String {
         let rows =
             (0..self.nominal.len()).map(|m| [vec![self.nominal[m].mode.name().to_owned()], self.row(m)].concat());
-        ResultTable::new(&format!("mode | {}", COLUMNS.map(|(title, _)| title).join(" | ")), rows)
-    }
-
-    fn page(&self) -> String {
-        let table = self.table().markdown();
+        let head = format!("mode | {}", COLUMNS.map(|(title, _)| title).join(" | "));
+        let table = ResultTable::new(&head, rows).markdown();
         format!("\n## {}\n\n{} K over the gas; {}.\n\n{table}", self.head, self.overheat_k, self.basis())
     }
 
@@ -110,37 +104,16 @@ impl HeadModes {
     }
 }
 
-impl fmt::Display for HeadModes {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}, {} K over the gas; {}", self.head, self.overheat_k, self.basis())?;
-        write!(f, "\n{}", self.table().text())
-    }
-}
-
 impl ModesReport {
     /// The page of a day.
     pub fn page(&self, day: &str) -> String {
         let parts: String = self.heads.iter().map(HeadModes::page).collect();
+        let [from, to] = WINDS_M_S;
         format!(
-            "# Operating modes\n\nBy `cargo run --release -p studies -- benchmark modes`, {day}. {}\n{parts}",
-            legend()
+            "# Operating modes\n\nBy `cargo run --release -p studies -- benchmark modes`, {day}. Constant temperature (CTA, the \
+             thermal sigma-delta loop), constant current (CCA) and constant power (CPA) at the same point of {from} m/s. Response: \
+             until the sum of P/(T − T_gas) has made nine tenths of its change from {from} to {to} m/s. Left: of that change, ten \
+             responses of CTA later. Gas, support: error of the speed where nobody knows that it is 10 K warmer.\n{parts}"
         )
     }
-}
-
-impl fmt::Display for ModesReport {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.heads.iter().try_for_each(|of| writeln!(f, "{of}"))?;
-        writeln!(f, "{}", legend())
-    }
-}
-
-/// What the columns are.
-fn legend() -> String {
-    let [from, to] = WINDS_M_S;
-    format!(
-        "Constant temperature (CTA, the thermal sigma-delta loop), constant current (CCA) and constant power (CPA) at the same point of \
-         {from} m/s. Response: until the sum of P/(T − T_gas) has made nine tenths of its change from {from} to {to} m/s. Left: of that \
-         change, ten responses of CTA later. Gas, support: error of the speed where nobody knows that it is 10 K warmer."
-    )
 }

@@ -26,8 +26,8 @@ pub fn errors(compared: &mut ComparedHead, mode: OperatingMode) -> [f64; 2] {
     let faster = reading(gases[0], believed_c, WINDS_M_S[1]);
     let percent = |other: Option<f64>| {
         let (Some(plain), Some(faster), Some(other)) = (plain, faster, other) else { return f64::NAN };
-        let slope = (faster / plain).ln() / (WINDS_M_S[1] / WINDS_M_S[0]).ln();
-        100.0 * (((other / plain).ln() / slope).exp() - 1.0)
+        let slope = libm::log(faster / plain) / libm::log(WINDS_M_S[1] / WINDS_M_S[0]);
+        100.0 * (libm::exp(libm::log(other / plain) / slope) - 1.0)
     };
     let warm_support_c = believed_c + WARMER_K;
     [reading(gases[1], believed_c, WINDS_M_S[0]), reading(gases[0], warm_support_c, WINDS_M_S[0])].map(percent)

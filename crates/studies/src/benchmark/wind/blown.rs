@@ -107,8 +107,8 @@ pub struct RawLaw {
 impl RawLaw {
     /// Speed at a mean raw conductance, m/s.
     pub fn speed_m_s(&self, raw_w_k: f64) -> f64 {
-        let power = (self.fast.0 / self.slow.0).ln() / (self.fast.1 / self.slow.1).ln();
-        self.slow.0 * (raw_w_k / self.slow.1).powf(power)
+        let power = libm::log(self.fast.0 / self.slow.0) / libm::log(self.fast.1 / self.slow.1);
+        self.slow.0 * libm::pow(raw_w_k / self.slow.1, power)
     }
 }
 

@@ -11,15 +11,12 @@ use super::swing::{self, TemperatureSwingErrors};
 use super::turbulence::{self, TurbulenceResponse};
 use crate::thesis::StudyLab;
 use anemometry::calibrate::report::{ConductanceNoise, conductance_noise};
-use anemometry::head::Head;
 use anemometry::network::identify::PolesPerPair;
 
 /// All that was measured of a sphere.
 pub struct MeasuredSphere {
     /// Which.
     pub sphere: BenchmarkSphere,
-    /// The calibrated head.
-    pub head: Head,
     /// The calibrated head's file.
     pub text: String,
     /// Records of its calibration, and its cross-validated errors.
@@ -58,7 +55,6 @@ pub fn measure(folder: &Path, sphere: BenchmarkSphere, progress: &dyn Fn(&str)) 
         drift,
         turbulence: turbulence::measure(&lab, &head, &modes(sphere.turbulence_hz))?,
         swing: swing::measure(&lab, &head)?,
-        head,
         text,
     })
 }

@@ -11,7 +11,7 @@
 //! | [`swing`] | the gas's temperature swinging |
 //! | [`mod@measure`], [`sphere`] | all of it, for each sphere |
 //! | [`findings`] | the bars, and what was measured |
-//! | [`page`], [`report`] | what is written, and what is printed |
+//! | [`page`] | the page |
 //!
 //! Experiments are those of `experiments/wind/sphere-a` and `sphere-b`.
 
@@ -21,12 +21,10 @@ pub mod directions;
 pub mod findings;
 pub mod measure;
 pub mod page;
-pub mod report;
 pub mod sphere;
 pub mod steps;
 pub mod swing;
 pub mod turbulence;
 
 pub use measure::{MeasuredSphere, both, measure};
-pub use report::BenchmarkReport;
 pub use sphere::{BenchmarkSphere, SPHERE_A, SPHERE_B, WindMode};

@@ -3,7 +3,7 @@
 use std::fmt;
 
 /// The bandwidth of an anemometer.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WindMode {
     /// Steady bandwidth of the convective powers, Hz.
     pub bandwidth_hz: f64,

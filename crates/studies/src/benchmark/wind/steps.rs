@@ -34,10 +34,8 @@ const RAW: WindMode = WindMode { bandwidth_hz: 5.0, fixed: true };
 const DRIFT: WindMode = WindMode { bandwidth_hz: 0.5, fixed: false };
 
 /// One way of a step: to so many m/s.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone)]
 pub struct Way {
-    /// Speed after the step, m/s.
-    pub to_m_s: f64,
     /// Response of the mean of all repeats, s.
     pub mean_response_s: f64,
     /// Median response of single repeats, s.
@@ -108,7 +106,6 @@ fn way(stretches: &[&[f64]], to_m_s: f64, every_s: f64) -> Way {
     let centre = late.iter().sum::<f64>() / late.len().max(1) as f64;
     let noise = (late.iter().map(|e| (e - centre).powi(2)).sum::<f64>() / late.len().max(1) as f64).sqrt();
     Way {
-        to_m_s,
         mean_response_s: settled_s(&mean, every_s),
         single_response_s: singles.get(singles.len() / 2).copied().unwrap_or(f64::NAN),
         noise,
@@ -123,19 +120,15 @@ pub fn settled_s(values: &[f64], every_s: f64) -> f64 {
 }
 
 /// What happens in ten minutes after a step.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone)]
 pub struct Drift {
     /// The bandwidth.
-    #[serde(skip)]
     pub mode: WindMode,
     /// To 6 and to 2 m/s, relative.
-    #[serde(rename = "drift")]
     pub answer: [f64; 2],
     /// The same of the raw conductance.
-    #[serde(rename = "raw_drift")]
     pub raw: [f64; 2],
     /// How raw powers are read.
-    #[serde(skip)]
     pub law: RawLaw,
     /// Of the speeds that they say: until within 5 % for good, s.
     pub raw_response_s: [f64; 2],
@@ -207,11 +200,11 @@ mod tests {
         // (6 − 2)/6 e^{−t/τ} = 0.05 at τ ln 13.33; two repeats that differ by ±1 % have the same
         // mean.
         let curve = |share: f64| {
-            (0..600).map(|n| share * (6.0 - 4.0 * (-f64::from(n) * 0.01 / 0.1).exp())).collect::<Vec<f64>>()
+            (0..600).map(|n| share * (6.0 - 4.0 * libm::exp(-f64::from(n) * 0.01 / 0.1))).collect::<Vec<f64>>()
         };
         let (a, b) = (curve(1.01), curve(0.99));
         let way = way(&[&a, &b], 6.0, 0.01);
-        assert!((way.mean_response_s - 0.1 * (4.0_f64 / 6.0 / 0.05).ln()).abs() <= 0.01, "{}", way.mean_response_s);
+        assert!((way.mean_response_s - 0.1 * libm::log(4.0_f64 / 6.0 / 0.05)).abs() <= 0.01, "{}", way.mean_response_s);
         assert!((way.noise - 0.01).abs() < 1e-6 && way.outside == 0.0);
     }
 }

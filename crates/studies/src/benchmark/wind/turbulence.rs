@@ -58,7 +58,7 @@ pub fn measure(lab: &StudyLab, head: &Head, modes: &[WindMode]) -> Result<Vec<Tu
 }
 
 /// A band of frequencies.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
     /// Lower edge, Hz.
     pub from_hz: f64,
@@ -110,8 +110,8 @@ fn line(values: &[f64], bin: usize) -> (f64, f64) {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
     values.iter().enumerate().fold((0.0, 0.0), |(re, im), (n, value)| {
-        let window = 0.5 - 0.5 * (TAU * n as f64 / count).cos();
-        let (sin, cos) = (TAU * (bin * n % values.len()) as f64 / count).sin_cos();
+        let window = 0.5 - 0.5 * libm::cos(TAU * n as f64 / count);
+        let (sin, cos) = libm::sincos(TAU * (bin * n % values.len()) as f64 / count);
         let weighed = window * (value - mean);
         (re + weighed * cos, im - weighed * sin)
     })
@@ -135,7 +135,7 @@ mod tests {
         // the same strength is added to it: γ² = |H|²/(|H|² + 1). 200 segments leave errors of
         // about 5 % of it.
         let (every_s, corner_hz) = (0.01, 1.0);
-        let share = 1.0 - (-TAU * corner_hz * every_s).exp();
+        let share = 1.0 - libm::exp(-TAU * corner_hz * every_s);
         let (mut x, mut e) = (noise(1), noise(2));
         let mut state = 0.0;
         let (truth, answer): (Vec<f64>, Vec<f64>) = (0..102_400)

@@ -15,11 +15,11 @@ struct Expected {
 /// The formulas as they are written in books, of σ = 1 along the mean.
 fn von_karman(length_m: f64, speed_m_s: f64) -> [Expected; 3] {
     let scale_s = length_m / speed_m_s;
-    let along = move |f: f64| 4.0 * scale_s / (1.0 + 70.8 * (f * scale_s).powi(2)).powf(5.0 / 6.0);
+    let along = move |f: f64| 4.0 * scale_s / libm::pow(1.0 + 70.8 * (f * scale_s).powi(2), 5.0 / 6.0);
     let across = move |f: f64| {
         // With the lateral integral scale, half of the longitudinal one.
         let n = 2.0 * f * (0.5 * scale_s);
-        4.0 * (0.5 * scale_s) * (1.0 + 188.8 * n * n) / (1.0 + 70.8 * n * n).powf(11.0 / 6.0)
+        4.0 * (0.5 * scale_s) * (1.0 + 188.8 * n * n) / libm::pow(1.0 + 70.8 * n * n, 11.0 / 6.0)
     };
     [
         Expected { variance: 1.0, spectrum: Box::new(along) },
@@ -31,7 +31,7 @@ fn von_karman(length_m: f64, speed_m_s: f64) -> [Expected; 3] {
 fn kaimal(height_m: f64, speed_m_s: f64) -> [Expected; 3] {
     [(5.67, 1.0), (1.89, 0.8), (0.462, 0.5)].map(|(length, deviation): (f64, f64)| {
         let (scale_s, variance) = (length * height_m / speed_m_s, deviation * deviation);
-        let spectrum = move |f: f64| variance * 4.0 * scale_s / (1.0 + 6.0 * f * scale_s).powf(5.0 / 3.0);
+        let spectrum = move |f: f64| variance * 4.0 * scale_s / libm::pow(1.0 + 6.0 * f * scale_s, 5.0 / 3.0);
         Expected { variance, spectrum: Box::new(spectrum) }
     })
 }
@@ -41,7 +41,7 @@ fn of_means(spectrum: &dyn Fn(f64) -> f64, f: f64, period_s: f64) -> f64 {
     let once = |fold: i32| {
         let f = (f + f64::from(fold) / period_s).abs();
         let x = PI * f * period_s;
-        spectrum(f) * (x.sin() / x).powi(2)
+        spectrum(f) * (libm::sin(x) / x).powi(2)
     };
     (-100..=100).map(once).sum()
 }
@@ -49,7 +49,7 @@ fn of_means(spectrum: &dyn Fn(f64) -> f64, f: f64, period_s: f64) -> f64 {
 /// ∫ of a function of f over all octaves that matter.
 fn integral(of: impl Fn(f64) -> f64) -> f64 {
     let step = 0.01;
-    (-2000..2000).map(|k| (step * f64::from(k)).exp()).map(|f| of(f) * f * step).sum()
+    (-2000..2000).map(|k| libm::exp(step * f64::from(k))).map(|f| of(f) * f * step).sum()
 }
 
 /// Three components in the wind's own axes, of σ = 1 along the mean.
@@ -60,7 +60,7 @@ fn components(spectrum: Spectrum, speed_m_s: f64, period_s: f64, count: usize) -
     let mut wind = wind(&[entry], period_s);
     // Across and horizontal, then what is square to both and looks up: written out, not taken from
     // the code.
-    let ((sa, ca), (se, ce)) = (30.0_f64.to_radians().sin_cos(), 20.0_f64.to_radians().sin_cos());
+    let ((sa, ca), (se, ce)) = (libm::sincos(30.0_f64.to_radians()), libm::sincos(20.0_f64.to_radians()));
     let axes = [[ce * ca, ce * sa, se], [-sa, ca, 0.0], [-se * ca, -se * sa, ce]];
     let mut all = [const { Vec::new() }; 3];
     for _ in 0..count {
@@ -77,10 +77,10 @@ fn components(spectrum: Spectrum, speed_m_s: f64, period_s: f64, count: usize) -
 /// one-sided spectrum.
 fn coefficients(samples: &[f64], bin: usize, period_s: f64) -> Vec<[f64; 2]> {
     let turn = TAU / SEGMENT as f64;
-    let hann = |n: usize| 0.5 * (1.0 - (turn * n as f64).cos());
+    let hann = |n: usize| 0.5 * (1.0 - libm::cos(turn * n as f64));
     let wave: Vec<[f64; 2]> = (0..SEGMENT)
         .map(|n| {
-            let (sin, cos) = (turn * ((n * bin) % SEGMENT) as f64).sin_cos();
+            let (sin, cos) = libm::sincos(turn * ((n * bin) % SEGMENT) as f64);
             [hann(n) * cos, hann(n) * sin]
         })
         .collect();
@@ -115,7 +115,7 @@ fn holds(kind: Spectrum, expected: [Expected; 3], speed_m_s: f64, period_s: f64,
         // Without what varies within a period.
         let kept = integral(|f| {
             let x = PI * f * period_s;
-            spectrum(f) * (x.sin() / x).powi(2)
+            spectrum(f) * (libm::sin(x) / x).powi(2)
         });
         // Of a Gaussian process the variance's variance is ∫ S² df/T.
         let error = (integral(|f| spectrum(f).powi(2)) / duration_s).sqrt();
@@ -142,7 +142,7 @@ fn holds(kind: Spectrum, expected: [Expected; 3], speed_m_s: f64, period_s: f64,
             // A decade of −5/3: well above the eddies and well below half the sample rate.
             let middle = f(band[0]) * 1.5;
             if (2.0..12.0).contains(&middle) {
-                slope.push((middle.ln(), (ratio * spectrum(middle)).ln()));
+                slope.push((libm::log(middle), libm::log(ratio * spectrum(middle))));
             }
         }
         if period_s == 0.01 && matches!(kind, Spectrum::VonKarman { .. }) {
@@ -208,7 +208,7 @@ fn turbulence_of_a_spectrum_is_stationary_from_its_first_tick() {
     let expected = von_karman(2.0, 4.0).map(|one| {
         integral(|f| {
             let x = PI * f * 0.01;
-            (one.spectrum)(f) * (x.sin() / x).powi(2)
+            (one.spectrum)(f) * (libm::sin(x) / x).powi(2)
         })
     });
     for sums in sums {

@@ -240,8 +240,8 @@ fn many_recordings_tell_a_gain_in_any_order() {
             }
             let temperature_c = 20.0 + 10.0 * random() * 1e-3 + 12.0 * fast + 30.0 * slow;
             text += &format!("{},{power_w},{temperature_c:.4}\n", 0.5 * row as f64);
-            fast += (1.0 - (-0.5_f64 / 2.0).exp()) * (power_w - fast);
-            slow += (1.0 - (-0.5_f64 / 40.0).exp()) * (power_w - slow);
+            fast += (1.0 - libm::exp(-0.5_f64 / 2.0)) * (power_w - fast);
+            slow += (1.0 - libm::exp(-0.5_f64 / 40.0)) * (power_w - slow);
         }
         let path = folder.path().join(format!("{number}.csv"));
         std::fs::write(&path, text).unwrap();
