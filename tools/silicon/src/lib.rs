@@ -54,16 +54,16 @@
 //! a tick of 10 ms; a start takes 0.1 s.
 //!
 //! **Tests.** `tests/rules.rs` breaks every rule once, register by register; `tests/scenarios` has
-//! the image: boot, ticks, closed loop,
-//! every cause of the guard, crashes in each task, settings, supply, self-test, the line, random
-//! lives, flipped bits, a minute of a run (`cargo xtask campaign` for more of the last three).
-//! `equal_bits` hands the readings that the board has taken to a controller in this process, and
-//! `against_qemu` runs images of the virtual board here and in QEMU: both are equal to the bit.
-//! `verdicts` asks both cores of protection, faults, priorities and SysTick.
+//! the image: boot, ticks, closed loop, every cause of the guard, crashes in each task, settings,
+//! supply, self-test, the line, random lives, flipped bits, a minute of a run (`cargo xtask
+//! campaign` for more of the last three). `equal_bits` hands the readings that the board has taken to
+//! a controller in this process, and `against_qemu` runs images of the virtual board here and in
+//! QEMU: both are equal to the bit. `verdicts` asks both cores of protection, faults, priorities and
+//! SysTick, and `reset_values` holds registers against the reference manual.
 //!
-//! **Limits.** It agrees with our reading of the manuals, not with chips: no wait states, no
-//! contention for buses, no write buffers, no imprecise faults, no errata, nothing analogue but the
-//! sensor.
+//! **Limits.** Where nobody else has said so, it agrees with our reading of the manuals
+//! (`docs/reference/second-opinions.md`). No wait states, no contention for buses, of the errata
+//! only two (a clock that arrives late, a slow pin of SCK), nothing analogue but the sensor.
 //!
 //! The GPL covers Unicorn and hence this crate's programs: it is published nowhere, and no other
 //! crate may depend on it.
