@@ -41,7 +41,8 @@ impl PatientMember {
         Self { anew: AtomicBool::new(false), beats: AtomicU32::new(0) }
     }
 
-    /// One beat more; whether it has checked in lately. A check-in between load and store is lost.
+    /// Counts a beat. Returns true if the member has checked in lately. A check-in between load and
+    /// store is lost.
     fn beat(&self) -> bool {
         let beats = if self.anew.load(Relaxed) { 0 } else { self.beats.load(Relaxed).saturating_add(1) };
         self.anew.store(false, Relaxed);

@@ -52,7 +52,7 @@ const BAUD: u32 = 921_600;
 /// Bytes from the host that may wait: 5.5 ms of them.
 const RECEIVED: usize = 512;
 
-/// Twice what the longest frame takes: 320 bytes of 10.95 µs.
+/// Twice the time of the longest frame: 320 bytes of 10.95 µs.
 const LONGEST_FRAME_US: u32 = 7_000;
 /// Recoveries without a frame that has left after which the transmitter is not well.
 const MOST_RECOVERIES: u8 = 3;
@@ -141,7 +141,7 @@ impl DmaTransmitter {
         !self.stream.is_enabled()
     }
 
-    /// Whether frames leave.
+    /// Returns false if frames no longer leave.
     pub const fn is_well(&self) -> bool {
         self.recoveries < MOST_RECOVERIES
     }

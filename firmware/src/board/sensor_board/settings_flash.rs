@@ -46,7 +46,7 @@ const LONGEST_WRITE_US: u32 = 1_000;
 /// An erase has begun since the front end last asked.
 static HAS_ERASED: AtomicBool = AtomicBool::new(false);
 
-/// Whether an erase has stopped the processor since the last time of asking; for the front end.
+/// Returns true once after an erase has stopped the processor; for the front end.
 pub fn take_erase() -> bool {
     let has_erased = HAS_ERASED.load(Relaxed);
     if has_erased {

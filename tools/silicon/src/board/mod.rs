@@ -66,8 +66,8 @@ const DEBUG_FREEZE: u32 = 0xe004_2008;
 const DEBUG_FREEZE_WATCHDOG: u32 = 1 << 12;
 /// What an access to a peripheral costs beside the instruction.
 const ACCESS_CYCLES: u64 = 2;
-/// What a store may take to arrive at a peripheral of APB1, which runs at a quarter of the core's
-/// clock: two of its cycles, and the bridge. The core goes on meanwhile.
+/// Longest way of a store to a peripheral of APB1, which runs at a quarter of the core's clock: two
+/// of its cycles, and the bridge. The core goes on meanwhile.
 const STORE_CYCLES: u64 = 12;
 
 /// Levels of the heaters from some time on.
@@ -257,7 +257,7 @@ impl Board {
         self.attention = true;
     }
 
-    /// Bytes of RAM that the reset costs that is wanted, %.
+    /// Share of the bytes of RAM that the pending reset destroys, %.
     pub const fn ram_lost_percent(&self) -> u32 {
         let keeps_ram = !matches!(self.pending_reset, Some(ResetSource::PowerOn)) || self.power.keeps_ram();
         if keeps_ram { 0 } else { self.power.ram_lost_percent }

@@ -411,7 +411,7 @@ impl<B: ProcessorBus + 'static> Processor<B> {
     }
 }
 
-/// What may be done in all of a page that Unicorn holds.
+/// Rights that hold in all of a page of Unicorn.
 fn page_rights(mpu: &Mpu, page: u64) -> Prot {
     let all = (page..page + PAGE).step_by(LEAST_REGION).map(|address| mpu.rights(address as u32));
     // Code is never stored to: that is a fault with or without protection.

@@ -72,7 +72,7 @@ impl Nvic {
         }
     }
 
-    /// Whether a peripheral holds its line high.
+    /// Returns true if a peripheral holds its line high.
     pub const fn line(&self, interrupt: u16) -> bool {
         self.lines >> (FIRST_INTERRUPT + interrupt) & 1 == 1
     }

@@ -68,7 +68,7 @@ fn three_trips_in_ten_minutes_lock_until_the_supply_or_the_reset_pin() {
     rig.assert_no_complaint();
 }
 
-/// What a probe does to program a board: it resets and halts the core, runs its loader in RAM, and
+/// Programs a board as a probe does: it resets and halts the core, runs its loader in RAM, and
 /// resets once more.
 fn flash_by_probe(rig: &Rig) {
     let mut machine = rig.machine();
