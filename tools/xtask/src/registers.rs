@@ -64,7 +64,7 @@ fn log() -> Result<PathBuf> {
 }
 
 fn registers_of_crate() -> Result<PathBuf> {
-    let told = shell::captured(shell::cargo().args(["metadata", "--format-version=1"]))?;
+    let told = shell::captured(shell::cargo().args(["metadata", "--format-version=1", "--all-features"]))?;
     let told: serde_json::Value = serde_json::from_str(&told).context("`cargo metadata` prints no JSON")?;
     let mut packages = told["packages"].as_array().into_iter().flatten();
     let manifest = packages.find(|package| package["name"] == CRATE).and_then(|of| of["manifest_path"].as_str());
