@@ -160,3 +160,6 @@ fn linear(
         (None, Some(Structure::Symbol) | None) => symbol::identify(source, options, progress, observer),
     }
 }
+
+#[cfg(test)]
+mod tests;

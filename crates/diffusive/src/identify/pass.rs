@@ -216,6 +216,8 @@ pub fn pass(
     let survey = source.survey();
     let (sample_period_s, expected) = (survey.sample_period_s, survey.rows.min(rows));
     let starts_rad_s = start_rates(survey);
+    // All designs see the same rows.
+    let lead = designs.iter().map(RegressionDesign::longest_delay).max().unwrap_or(0);
     let mut facts = Facts::default();
     let mut accumulators = Vec::new();
     let mut output_shift = Vec::new();
@@ -223,7 +225,8 @@ pub fn pass(
     while let Some(block) = source.next_block()? {
         if facts.rows == 0 {
             output_shift = output_means(block);
-            let of = |design| Accumulator::new(design, &starts_rad_s, sample_period_s, expected, folds, &output_shift);
+            let of =
+                |design| Accumulator::new(design, &starts_rad_s, sample_period_s, expected, folds, &output_shift, lead);
             accumulators = designs.iter().map(of).collect();
         }
         // In this order, rows come from memory while there is much to do with those before.
