@@ -70,7 +70,7 @@ pub fn design(order: usize, inputs: usize, classes: usize) -> RegressionDesign {
         delay: 0,
         feed_through: false,
     };
-    RegressionDesign { banks: drives.map(bank).collect(), initial_rad_s: Vec::new(), outputs: 1 }
+    RegressionDesign { banks: drives.map(bank).collect(), initial_rad_s: Vec::new(), outputs: 1, from_rest: true }
 }
 
 /// The same regression with all columns that drifts of every size need.
@@ -86,6 +86,7 @@ pub fn drift_design(order: usize, rows: usize) -> RegressionDesign {
         ],
         initial_rad_s: poles,
         outputs: 1,
+        from_rest: false,
     }
 }
 

@@ -146,11 +146,11 @@ fn an_input_that_is_on_in_a_row_or_two_is_marked() {
 }
 
 #[test]
-fn a_model_of_nothing_is_marked() {
+fn a_model_of_nothing_is_refused() {
     // The output falls as power rises, which resistances that may not be negative leave alone.
     let mut rows = sound(1000);
     rows.iter_mut().for_each(|row| row[2] = 40.0 - row[2]);
-    Table::new(&csv(&rows)).is_doubted(&["--non-negative", "all"], &["no input explains any of it"]);
+    Table::new(&csv(&rows)).is_refused(&["--non-negative", "all"], &["no input explains any of it"]);
 }
 
 #[test]

@@ -33,12 +33,13 @@ pub struct Accumulator {
     design: RegressionDesign,
     starts: usize,
     row: u64,
-    /// Rows at the beginning of a segment that say nothing: what drove them stood before it.
+    /// Rows at the beginning of a later segment that say nothing: what drove them stood before it.
     lead: u64,
 }
 
 impl Accumulator {
     /// `expected_rows` are cut into `folds` folds of like length; rows beyond them go to the last.
+    /// `lead` rows of every later segment are left out.
     pub fn new(
         design: &RegressionDesign,
         starts_rad_s: &[f64],
@@ -46,6 +47,7 @@ impl Accumulator {
         expected_rows: u64,
         folds: usize,
         output_shift: &[f64],
+        lead: usize,
     ) -> Self {
         let design = with_starts(design, starts_rad_s);
         let rows = RegressionRows::new(&design, sample_period_s, output_shift);
@@ -66,7 +68,7 @@ impl Accumulator {
             starts: starts_rad_s.len(),
             borders: (1..folds as u64).map(|fold| expected_rows * fold / folds as u64).collect(),
             row: 0,
-            lead: design.longest_delay() as u64,
+            lead: lead as u64,
             design,
         }
     }
@@ -95,7 +97,7 @@ impl Accumulator {
             if let Some(&border) = self.borders.get(self.at) {
                 rows = rows.min((border - self.row) as usize);
             }
-            let is_lead = self.segment_row < self.lead;
+            let is_lead = !self.is_first && self.segment_row < self.lead;
             if is_lead {
                 rows = rows.min((self.lead - self.segment_row) as usize);
             }
@@ -196,9 +198,10 @@ mod tests {
             ],
             initial_rad_s: vec![0.1],
             outputs: 1,
+            from_rest: false,
         };
         let blocks = blocks();
-        let mut accumulator = Accumulator::new(&design, &[], 1.0, 370, 3, &[20.0]);
+        let mut accumulator = Accumulator::new(&design, &[], 1.0, 370, 3, &[20.0], 5);
         blocks.iter().for_each(|block| accumulator.push(block, GasSource::Column));
         let (folds, ends) = accumulator.finish();
         assert_eq!(ends.len(), 3);
@@ -207,7 +210,8 @@ mod tests {
         let (first, second) = (join(&|block| block.inputs[0].clone()), join(&|block| block.inputs[1].clone()));
         let (output, gas) = (join(&|block| block.outputs[0].clone()), join(&|block| block.gas.clone()));
         let class = join(&|block| block.class.iter().map(|&class| f64::from(class)).collect());
-        let late: Vec<f64> = [0.0; 5].into_iter().chain(first).take(377).collect();
+        // Before the record its first power was held.
+        let late: Vec<f64> = [first[0]; 5].into_iter().chain(first).take(377).collect();
         let gated: Vec<f64> = second.iter().zip(&class).map(|(u, class)| u * class).collect();
         let loss: Vec<f64> = (0..377).map(|n| (output[n] - gas[n]) * (1.0 - class[n])).collect();
         let moved: Vec<f64> = gas.iter().map(|gas_c| gas_c - gas[0]).collect();
@@ -222,8 +226,7 @@ mod tests {
             row.extend([libm::exp(-0.1 * n as f64), 1.0, output[n] - 20.0]);
             nalgebra::DVector::from_vec(row)
         };
-        // The first five rows say nothing: what drives them late stood before the record.
-        for (fold, rows) in folds.iter().zip([5..123, 123..246, 246..377]) {
+        for (fold, rows) in folds.iter().zip([0..123, 123..246, 246..377]) {
             assert_eq!(fold.rows, rows.len() as u64);
             let mut sums = DMatrix::zeros(design.width(), design.width());
             rows.map(row).for_each(|row| sums += &row * row.transpose());
@@ -235,8 +238,8 @@ mod tests {
 
     #[test]
     fn a_column_that_every_row_has_counts_them() {
-        let design = RegressionDesign { banks: Vec::new(), initial_rad_s: Vec::new(), outputs: 1 };
-        let mut accumulator = Accumulator::new(&design, &[], 1.0, 377, 1, &[20.0]);
+        let design = RegressionDesign { banks: Vec::new(), initial_rad_s: Vec::new(), outputs: 1, from_rest: true };
+        let mut accumulator = Accumulator::new(&design, &[], 1.0, 377, 1, &[20.0], 0);
         blocks().iter().for_each(|block| accumulator.push(block, GasSource::Column));
         assert_eq!(accumulator.finish().0[0].sums[(0, 0)], 377.0);
     }
@@ -250,12 +253,13 @@ mod tests {
             banks: vec![bank(BankDrive::Input(0), &rates, 0, false)],
             initial_rad_s: rates.to_vec(),
             outputs: 1,
+            from_rest: false,
         };
         let mut blocks = blocks();
         blocks[1].begins_segment = true;
         blocks[1].missing = vec![0, 30, 31];
         // The second fold begins in the second segment.
-        let mut accumulator = Accumulator::new(&design, &starts, 1.0, 660, 2, &[20.0]);
+        let mut accumulator = Accumulator::new(&design, &starts, 1.0, 660, 2, &[20.0], 0);
         blocks.iter().for_each(|block| accumulator.push(block, GasSource::Constant(0.0)));
         let (folds, ends) = accumulator.finish();
         assert_eq!(folds[0].sums.ncols(), design.width());

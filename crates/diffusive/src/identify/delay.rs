@@ -2,17 +2,19 @@
 //! a stretch shows them.
 //!
 //! Every delay of a short list is tried, with and without a feed-through column, on one middling
-//! mesh with a free initial state. The plainest (neither) is kept unless cross-validation finds
-//! another better by more than chance: by more than 5 % of the mean squared error, and by more than
-//! the standard error of the folds' paired differences.
+//! mesh with the initial state that the plainest path has. All are scored on the same rows: before
+//! the first, power was held, or none where the record began at rest. The plainest (neither) is kept
+//! unless cross-validation finds another better by more than chance: by more than 5 % of the mean
+//! squared error, and by more than the standard error of the folds' paired differences; or by half
+//! of the error.
 
 use dr_core::model::mesh;
 
-use super::candidates::terms;
+use super::candidates::{initial_states, terms};
 use super::design::{BankDrive, GasSource, RegressionDesign, RelaxationBank};
 use super::folds::{FOLDS, FoldedEquations, Score, change};
 use super::options::{Constraints, InitialState};
-use super::pass::pass;
+use super::pass::{Passed, pass};
 use super::prior::{Prior, Scales};
 use super::record::{RecordError, RecordSource};
 
@@ -27,16 +29,40 @@ const LONGER: [usize; 10] = [64, 96, 128, 192, 256, 384, 512, 768, 1024, 2048];
 pub struct PathDecision {
     pub delay: usize,
     pub feed_through: bool,
+    /// Whether nothing heated before the record; else its first power was held.
+    pub from_rest: bool,
     /// `None` if nothing was to be decided.
     pub reason: Option<String>,
+}
+
+impl PathDecision {
+    /// Plainer paths than one that nobody asked for: with neither, and a sample less of dead time in
+    /// place of an answer at once.
+    pub fn plainer(&self, given: &Constraints) -> Vec<Self> {
+        let asked = (given.delay.unwrap_or(0), given.feed_through.unwrap_or(false));
+        if (self.delay, self.feed_through) == asked {
+            return Vec::new();
+        }
+        let is_late = self.feed_through && self.delay > 1 && given.delay.is_none() && given.feed_through.is_none();
+        let late = is_late.then(|| (self.delay - 1, false));
+        let of = |(delay, feed_through): (usize, bool)| {
+            let with = if feed_through { "with" } else { "no" };
+            let reason =
+                format!("dead time {delay} samples, {with} feed-through: no other path is better by more than chance");
+            Self { delay, feed_through, from_rest: self.from_rest, reason: Some(reason) }
+        };
+        [Some(asked), late].into_iter().flatten().map(of).collect()
+    }
 }
 
 /// Decides on a delay and feed-through that are common to all inputs.
 pub fn decide(source: &mut dyn RecordSource, given: &Constraints) -> Result<PathDecision, RecordError> {
     if let (Some(delay), Some(feed_through)) = (given.delay, given.feed_through) {
-        return Ok(PathDecision { delay, feed_through, reason: None });
+        let from_rest = given.initial_state == Some(InitialState::Rest);
+        return Ok(PathDecision { delay, feed_through, from_rest, reason: None });
     }
-    Ok(decided(&try_paths(source, given)?, given))
+    let (found, from_rest) = try_paths(source, given)?;
+    Ok(PathDecision { from_rest, ..decided(&found, given) })
 }
 
 /// A delay with or without feed-through, and how well it predicts each output.
@@ -47,13 +73,16 @@ struct TriedPath {
 }
 
 /// Tries delays, closer and closer around the best, judged by the outputs together.
-fn try_paths(source: &mut dyn RecordSource, given: &Constraints) -> Result<Vec<TriedPath>, RecordError> {
+/// Also whether nothing heated before the record.
+fn try_paths(source: &mut dyn RecordSource, given: &Constraints) -> Result<(Vec<TriedPath>, bool), RecordError> {
     // A given dead time leaves most of the rows.
     let rows = source.survey().rows.min(WINDOW.max(8 * given.delay.unwrap_or(0) as u64));
-    let longest = (rows / 20) as usize;
+    let longest = (rows.min(source.survey().longest_rows) / 20) as usize;
     let wanted = |delay: &usize| given.delay.map_or(*delay <= longest, |given| given == *delay);
     let mut delays: Vec<usize> = DELAYS.into_iter().filter(wanted).collect();
     delays.extend(given.delay.filter(|delay| !DELAYS.contains(delay)));
+    let begun = PathTrial::read(source, &[given.delay.unwrap_or(0)], rows, false)?.initial_states(given);
+    let from_rest = begun.iter().all(|state| *state == InitialState::Rest);
     let mut found: Vec<TriedPath> = Vec::new();
     // The short ones; longer ones if the longest of them is the best; then closer and closer around
     // the best.
@@ -73,56 +102,82 @@ fn try_paths(source: &mut dyn RecordSource, given: &Constraints) -> Result<Vec<T
         let is_new = |delay: &usize| wanted(delay) && !found.iter().any(|tried| tried.delay == *delay);
         delays = candidates.into_iter().filter(is_new).collect();
         if !delays.is_empty() {
-            found.extend(try_delays(source, given, &delays, rows)?);
+            let trial = PathTrial::read(source, &delays, rows, from_rest)?;
+            found.extend(trial.scores(&delays, given, &begun));
         }
     }
     source.restart()?;
-    Ok(found)
+    Ok((found, from_rest))
 }
 
-/// Scores delays on one reading of the first rows, each with and without feed-through.
-fn try_delays(
-    source: &mut dyn RecordSource,
-    given: &Constraints,
-    delays: &[usize],
-    rows: u64,
-) -> Result<Vec<TriedPath>, RecordError> {
-    let survey = source.survey();
-    let (inputs, outputs, period_s) = (survey.inputs.len(), survey.outputs.len(), survey.sample_period_s);
-    let (first, last) = mesh::thesis_edges_rad_s(rows as f64 * period_s, period_s, 1);
-    let first = first / 2.0;
-    let order = ((libm::log10(last / first) * 2.0).ceil() as usize + 1).clamp(2, 20);
-    let rates: Vec<f64> = (0..order).map(|k| mesh::rate_rad_s(first, last, k, order)).collect();
-    let bank = |input, delay| RelaxationBank {
-        drive: BankDrive::Input(input),
-        rates_rad_s: rates.clone(),
-        delay,
-        feed_through: true,
-    };
-    let design = |&delay: &usize| RegressionDesign {
-        banks: (0..inputs).map(|input| bank(input, delay)).collect(),
-        initial_rad_s: rates.clone(),
-        outputs,
-    };
-    let designs: Vec<RegressionDesign> = delays.iter().map(design).collect();
-    let passed = pass(source, &designs, FOLDS, GasSource::Constant(0.0), rows, &mut |_| {})?;
-    let scales = Scales::of(&designs[0], &passed.facts, 2.0 * first);
-    let initial_state = given.initial_state.unwrap_or(InitialState::Free);
-    let mut tried = Vec::new();
-    for ((&delay, design), folds) in delays.iter().zip(&designs).zip(&passed.folds) {
-        for feed_through in [false, true] {
-            if given.feed_through.is_some_and(|given| given != feed_through) {
-                continue;
-            }
-            let terms = terms(&design.roles(), initial_state, feed_through, &passed.facts.first_inputs);
-            let score = |output| {
-                let equations = FoldedEquations::of(folds, terms.clone(), outputs, output);
-                equations.score(&equations.penalty(&scales, Prior::Tapered(1e-6)), None)
-            };
-            tried.push(TriedPath { delay, feed_through, scores: (0..outputs).map(score).collect() });
-        }
+/// One reading of the first rows for some delays.
+struct PathTrial {
+    designs: Vec<RegressionDesign>,
+    passed: Passed,
+    scales: Scales,
+}
+
+impl PathTrial {
+    fn read(source: &mut dyn RecordSource, delays: &[usize], rows: u64, from_rest: bool) -> Result<Self, RecordError> {
+        let survey = source.survey();
+        let (inputs, outputs, period_s) = (survey.inputs.len(), survey.outputs.len(), survey.sample_period_s);
+        let (first, last) = mesh::thesis_edges_rad_s(rows as f64 * period_s, period_s, 1);
+        let first = first / 2.0;
+        let order = ((libm::log10(last / first) * 2.0).ceil() as usize + 1).clamp(2, 20);
+        let rates: Vec<f64> = (0..order).map(|k| mesh::rate_rad_s(first, last, k, order)).collect();
+        let bank = |input, delay| RelaxationBank {
+            drive: BankDrive::Input(input),
+            rates_rad_s: rates.clone(),
+            delay,
+            feed_through: true,
+        };
+        let design = |&delay: &usize| RegressionDesign {
+            banks: (0..inputs).map(|input| bank(input, delay)).collect(),
+            initial_rad_s: rates.clone(),
+            outputs,
+            from_rest,
+        };
+        let designs: Vec<RegressionDesign> = delays.iter().map(design).collect();
+        let passed = pass(source, &designs, FOLDS, GasSource::Constant(0.0), rows, &mut |_| {})?;
+        let scales = Scales::of(&designs[0], &passed.facts, 2.0 * first);
+        Ok(Self { designs, passed, scales })
     }
-    Ok(tried)
+
+    /// The score of a delay, by its place.
+    fn score(&self, at: usize, feed_through: bool, initial_state: InitialState, output: usize) -> Score {
+        let design = &self.designs[at];
+        let terms = terms(&design.roles(), initial_state, feed_through, &self.passed.facts.first_inputs);
+        let equations = FoldedEquations::of(&self.passed.folds[at], terms, design.outputs, output);
+        equations.score(&equations.penalty(&self.scales, Prior::Tapered(1e-6)), None)
+    }
+
+    /// The most cautious initial state of each output on the plainest path: a dead time and decays
+    /// from the first row on explain a step as well.
+    fn initial_states(&self, given: &Constraints) -> Vec<InitialState> {
+        let states = initial_states(given.initial_state, &self.passed.facts.first_inputs);
+        let most_cautious = |output| {
+            let of = |&state: &InitialState| self.score(0, given.feed_through.unwrap_or(false), state, output);
+            let tried: Vec<Score> = states.iter().map(of).collect();
+            let best = tried.iter().min_by(|a, b| a.overall().total_cmp(&b.overall())).expect("at least one state");
+            states[tried.iter().position(|own| own.is_as_good_as(best, 1.05)).unwrap_or(states.len() - 1)]
+        };
+        (0..self.designs[0].outputs).map(most_cautious).collect()
+    }
+
+    /// Each delay with and without feed-through, for the initial states of the outputs.
+    fn scores(&self, delays: &[usize], given: &Constraints, begun: &[InitialState]) -> Vec<TriedPath> {
+        let mut tried = Vec::new();
+        for (at, &delay) in delays.iter().enumerate() {
+            for feed_through in [false, true] {
+                if given.feed_through.is_none_or(|given| given == feed_through) {
+                    let scores = begun.iter().enumerate();
+                    let scores = scores.map(|(output, &state)| self.score(at, feed_through, state, output));
+                    tried.push(TriedPath { delay, feed_through, scores: scores.collect() });
+                }
+            }
+        }
+        tried
+    }
 }
 
 /// The best path, if it is better than neither by more than chance. Who gives the mesh wants its
@@ -135,10 +190,9 @@ fn decided(found: &[TriedPath], given: &Constraints) -> PathDecision {
     let plainer = found.iter().find(|tried| best.feed_through && tried.delay + 1 == best.delay && !tried.feed_through);
     let best = plainer.filter(|plainer| apart(&plainer.scores) < 1.02 * apart(&best.scores)).unwrap_or(best);
     let gain = apart(&best.scores) / apart(&plain.scores).max(1e-300);
-    // What holds for the folds held out must not cost the first one, where a single step may be all
-    // there is.
-    let begins_as_well = begin(&best.scores) <= 1.05 * begin(&plain.scores);
-    let taken = if gain < 0.95 && begins_as_well && beats(&plain.scores, &best.scores) { best } else { plain };
+    // A single step stands in one fold, so that folds cannot agree.
+    let is_better = gain < 0.25 || gain < 0.95 && beats(&plain.scores, &best.scores);
+    let taken = if is_better { best } else { plain };
     let &TriedPath { delay, feed_through, .. } = taken;
     let asked = (given.delay.unwrap_or(0), given.feed_through.unwrap_or(false));
     if given.mesh_is_fixed() && (delay, feed_through) != asked {
@@ -147,7 +201,7 @@ fn decided(found: &[TriedPath], given: &Constraints) -> PathDecision {
             if feed_through { "yes" } else { "no" },
             change(gain)
         );
-        return PathDecision { delay: asked.0, feed_through: asked.1, reason: Some(reason) };
+        return PathDecision { delay: asked.0, feed_through: asked.1, from_rest: false, reason: Some(reason) };
     }
     let reason = format!(
         "dead time {delay} samples, {} feed-through{}",
@@ -158,18 +212,13 @@ fn decided(found: &[TriedPath], given: &Constraints) -> PathDecision {
             format!(": cross-validated error {} against neither", change(gain))
         }
     );
-    PathDecision { delay, feed_through, reason: Some(reason) }
+    PathDecision { delay, feed_through, from_rest: false, reason: Some(reason) }
 }
 
-/// How well single folds are bridged: a few samples do not show in how a model carries on. Outputs
-/// may have different units: each counts by its logarithm.
+/// Mean squared error of single folds, the first one included: a few samples do not show in how a
+/// model carries on. Outputs may have different units: each counts by its logarithm.
 fn apart(scores: &[Score]) -> f64 {
-    libm::exp(scores.iter().map(|score| libm::log(score.mean_single().max(1e-300))).sum::<f64>() / scores.len() as f64)
-}
-
-/// The same of the first fold.
-fn begin(scores: &[Score]) -> f64 {
-    libm::exp(scores.iter().map(|score| libm::log(score.begin.max(1e-300))).sum::<f64>() / scores.len() as f64)
+    libm::exp(scores.iter().map(|score| libm::log(score.mean_all().max(1e-300))).sum::<f64>() / scores.len() as f64)
 }
 
 /// Whether the folds agree that the second is better.
@@ -177,8 +226,8 @@ fn beats(plain: &[Score], other: &[Score]) -> bool {
     let differences: Vec<f64> = plain
         .iter()
         .zip(other)
-        .flat_map(|(plain, other)| plain.single.iter().zip(&other.single))
-        .map(|(plain, other)| libm::log(plain.max(1e-300) / other.max(1e-300)))
+        .flat_map(|(plain, other)| plain.all().zip(other.all()))
+        .map(|(plain, other): (f64, f64)| libm::log(plain.max(1e-300) / other.max(1e-300)))
         .collect();
     let n = differences.len() as f64;
     let mean = differences.iter().sum::<f64>() / n;

@@ -73,9 +73,7 @@ impl Score {
     /// The geometric mean of the answers, K²: each counts by its ratios, so that a question that
     /// nobody can answer does not drown the others. The first fold stands among the single ones.
     pub fn overall(&self) -> f64 {
-        let count = self.single.len() as f64;
-        let single = (self.mean_single() * count + self.begin) / (count + 1.0);
-        let logs = [single, self.double, self.mean_ahead()].map(|error| libm::log(error.max(1e-300)));
+        let logs = [self.mean_all(), self.double, self.mean_ahead()].map(|error| libm::log(error.max(1e-300)));
         libm::exp(logs.iter().sum::<f64>() / 3.0)
     }
 
@@ -101,6 +99,16 @@ impl Score {
     /// The geometric mean: the borders' errors are those of unlike lengths ahead.
     pub fn mean_ahead(&self) -> f64 {
         geometric_mean(&self.ahead)
+    }
+
+    /// Errors of all folds, the first one included.
+    pub fn all(&self) -> impl Iterator<Item = f64> {
+        self.single.iter().copied().chain([self.begin])
+    }
+
+    pub fn mean_all(&self) -> f64 {
+        let count = self.single.len() as f64;
+        (self.mean_single() * count + self.begin) / (count + 1.0)
     }
 
     pub fn mean_single(&self) -> f64 {

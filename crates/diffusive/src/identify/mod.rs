@@ -51,7 +51,7 @@
 //! | [`symbol`], `conductance` | the two structures: a symbol a class (thesis 2.19), wind as feedback (theory 12) |
 //! | `losses` | losses that grow with temperature, around any of `symbol` and `refine` |
 //! | [`refine`], `tied` | a few free rates in place of a mesh; reciprocal pairs |
-//! | `fitted`, `residual_pass`, `residuals`, `whiteness`, `support` | what is left, whether another candidate leaves less, and whether the record could carry the model |
+//! | `fitted`, `residual_pass`, `residuals`, `stuck`, `whiteness`, `support` | what is left, whether another candidate leaves less, and whether the record could carry the model |
 //! | `advice` | what the next record should be |
 //! | [`report`] | the result for people |
 //! | [`validate`](mod@validate) | a model against another record |
@@ -98,6 +98,7 @@ pub(crate) mod residuals;
 mod rows;
 mod segment;
 mod spread;
+mod stuck;
 mod support;
 mod tied;
 pub(crate) mod validate_options;
@@ -126,20 +127,21 @@ pub fn identify(
     validate_options::refuse(source.survey(), options)?;
     losses::refuse(source.survey(), options)?;
     let model = losses::identify(source, options, &linear, progress, observer)?;
-    Ok(judged(model, source.survey(), options))
+    judged(model, source.survey(), options)
 }
 
-/// A model with all that speaks against it, and what the next record should be.
-fn judged(mut model: Model, survey: &Survey, options: &IdentifyOptions) -> Model {
+/// A model with all that speaks against it, and what the next record should be; refused if it
+/// explains nothing.
+fn judged(mut model: Model, survey: &Survey, options: &IdentifyOptions) -> Result<Model, RecordError> {
     model.chosen.reasons.extend(validate_options::pairing(survey, options));
     let mut against = validate_options::warnings(survey, options);
-    against.extend(support::silent(&model));
+    against.extend(support::unexplained(&model, survey)?);
     against.extend(support::disturbed(&model));
     model.supported &= against.is_empty();
     model.warnings.extend(against);
     model.warnings.extend(support::undrifted(&model, options));
     model.advice = advice::advice(&model, survey.longest_s(), options.losses == Losses::Growing);
-    model
+    Ok(model)
 }
 
 /// A model whose losses do not grow with temperature, of the structure that was asked for.
@@ -158,3 +160,6 @@ fn linear(
         (None, Some(Structure::Symbol) | None) => symbol::identify(source, options, progress, observer),
     }
 }
+
+#[cfg(test)]
+mod tests;

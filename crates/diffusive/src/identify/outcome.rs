@@ -92,7 +92,7 @@ pub fn warnings(
     survey: &Survey,
     facts: &Facts,
 ) -> Vec<String> {
-    let (name, spread, duration_s) = (&survey.outputs[output], facts.outputs[output].sd(), survey.duration_s());
+    let (name, spread, duration_s) = (&survey.outputs[output], facts.outputs[output].sd(), survey.longest_s());
     let mut warnings = Vec::new();
     let error = score.overall().sqrt();
     if spread > 0.0 && error >= spread {
@@ -121,18 +121,18 @@ pub fn warnings(
                     "{subject}: slow resistances cancel, {} against {}, each beyond its errors, for a steady gain of {}: that is a drift or an input that is missing, and no body; record for longer, and beside it the temperature of the surroundings; where heater and sensor are in one place, hold the signs with --non-negative all",
                     brief(up), brief(down), as_sure(gain, se)
                 ));
+            } else if is_slow(pair, class, duration_s, all) {
+                let known_s = duration_s / std::f64::consts::PI;
+                warnings.push(format!(
+                    "{subject}: most of the answer is slower than 1/rate = {known_s:.0} s, which a record of {duration_s:.0} s is too short to tell from slower still: the steady gain {} may be far off; record for several of the slowest time constants",
+                    brief(gain)
+                ));
             } else if se > 0.25 * all && spread > 0.0 {
                 let slowest_s = 1.0 / pair.mesh_rad_s[0];
                 warnings.push(format!(
                     "{subject}: the steady gain {} is known to ±{} only: a record of {duration_s:.0} s is too short, or too little excited, for a slowest time constant of {slowest_s:.0} s; record several times that, or raise the mesh's lower edge",
                     as_sure(gain, se),
                     short(se, 2)
-                ));
-            } else if is_slow(pair, class, duration_s, all) {
-                let known_s = duration_s / std::f64::consts::PI;
-                warnings.push(format!(
-                    "{subject}: most of the answer is slower than 1/rate = {known_s:.0} s, which a record of {duration_s:.0} s is too short to tell from slower still: the steady gain {} may be far off; record for several of the slowest time constants",
-                    brief(gain)
                 ));
             }
         }
@@ -192,11 +192,28 @@ fn cancelling(pair: &Pair, class: &Class, duration_s: f64) -> Option<[f64; 2]> {
     (sides[0].min(-sides[1]) > class.steady_gain_k_per_w.abs()).then_some(sides)
 }
 
+/// What a record of this length does not resolve of a steady gain, K/W: slow resistances that
+/// cancel, or those that make most of the answer.
+pub fn unresolved_k_per_w(pair: &Pair, class: &Class, duration_s: f64) -> f64 {
+    match cancelling(pair, class, duration_s) {
+        Some([up, down]) => up.min(-down),
+        None if is_slow(pair, class, duration_s, class.steady_gain_k_per_w.abs()) => {
+            let slow_rad_s = SLOW * std::f64::consts::PI / duration_s;
+            let of = pair.mesh_rad_s.iter().zip(&class.r_k_per_w).take_while(|(rate, _)| **rate <= slow_rad_s);
+            of.map(|(_, r)| r).sum::<f64>().abs()
+        }
+        None => 0.0,
+    }
+}
+
+/// Above half the thesis' lower edge by rounding.
+const SLOW: f64 = 1.01;
+
 /// Whether most of the answer, and a quarter of the gain `all` of all inputs, stands at rates up to
 /// π/T, half the thesis' lower edge: decays that a record of length T shows little of. Of Σ|R| or
 /// of the steady gain, whichever is more: slow rates of both signs are no better known.
 fn is_slow(pair: &Pair, class: &Class, duration_s: f64, all: f64) -> bool {
-    let slow_rad_s = 1.01 * std::f64::consts::PI / duration_s;
+    let slow_rad_s = SLOW * std::f64::consts::PI / duration_s;
     let slow = pair.mesh_rad_s.iter().take_while(|rate| **rate <= slow_rad_s).count();
     let (slow, whole) = (&class.r_k_per_w[..slow], &class.r_k_per_w);
     let size = |resistances: &[f64]| resistances.iter().map(|r| r.abs()).sum::<f64>();

@@ -110,6 +110,15 @@ impl Facts {
         self.moves.iter().enumerate().map(of).fold(0.0, f64::max)
     }
 
+    /// Whether an input heats at one level only: up or down once, or once each. Values at two levels
+    /// have the greatest variance that their range and mean allow (Bhatia and Davis 2000).
+    pub fn is_of_one_level(&self, input: usize) -> bool {
+        let ([least, most], (sum, _)) = (self.input_range(input), self.input_sums(input));
+        let mean = self.first_inputs[input] + sum / self.rows as f64;
+        let greatest = (mean - least) * (most - mean);
+        self.moves[input].travel < 2.5 * (most - least) && self.input_sd(input).powi(2) > 0.95 * greatest
+    }
+
     /// Standard deviation of an input over the whole record.
     pub fn input_sd(&self, input: usize) -> f64 {
         let (sum, squares) = self.input_sums(input);
@@ -207,6 +216,8 @@ pub fn pass(
     let survey = source.survey();
     let (sample_period_s, expected) = (survey.sample_period_s, survey.rows.min(rows));
     let starts_rad_s = start_rates(survey);
+    // All designs see the same rows.
+    let lead = designs.iter().map(RegressionDesign::longest_delay).max().unwrap_or(0);
     let mut facts = Facts::default();
     let mut accumulators = Vec::new();
     let mut output_shift = Vec::new();
@@ -214,7 +225,8 @@ pub fn pass(
     while let Some(block) = source.next_block()? {
         if facts.rows == 0 {
             output_shift = output_means(block);
-            let of = |design| Accumulator::new(design, &starts_rad_s, sample_period_s, expected, folds, &output_shift);
+            let of =
+                |design| Accumulator::new(design, &starts_rad_s, sample_period_s, expected, folds, &output_shift, lead);
             accumulators = designs.iter().map(of).collect();
         }
         // In this order, rows come from memory while there is much to do with those before.

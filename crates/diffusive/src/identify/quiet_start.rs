@@ -10,7 +10,7 @@ use super::record::Block;
 use super::spread::ValueSpread;
 use crate::model::ModelOutput;
 
-/// Rows that say where an output stands.
+/// Rows that show that an output stands, whatever it began with.
 const ENOUGH: u64 = 5;
 /// Standard errors by which an offset contradicts.
 const FAR: f64 = 3.0;
@@ -41,11 +41,13 @@ impl QuietStart {
         }
     }
 
-    /// Widens the standard error of an offset that these rows contradict, and says so.
-    pub fn held_against(&self, place: usize, output: &mut ModelOutput) -> Option<String> {
-        let spread = self.outputs.get(place).filter(|spread| self.is_over && spread.count >= ENOUGH)?;
+    /// Widens the standard error of an offset that these rows contradict, and says so. A model that
+    /// began `at_rest` states that it stood; else the rows must show it.
+    pub fn held_against(&self, place: usize, at_rest: bool, output: &mut ModelOutput) -> Option<String> {
+        let fewest = if at_rest { 1 } else { ENOUGH };
+        let spread = self.outputs.get(place).filter(|spread| self.is_over && spread.count >= fewest)?;
         let stands_c = spread.from + spread.sum / spread.count as f64;
-        let se_k = spread.sd() / (spread.count as f64).sqrt();
+        let se_k = spread.sd().max(output.residual_rms) / (spread.count as f64).sqrt();
         let apart_k = output.offset_c - stands_c;
         let is_far = apart_k.abs() > FAR * libm::hypot(output.se_offset_c, se_k).max(output.residual_rms / 10.0);
         if !is_far || spread.sd() > STANDS * output.residual_rms {
@@ -54,10 +56,10 @@ impl QuietStart {
         let found = estimate(output.offset_c, output.se_offset_c);
         output.se_offset_c = libm::hypot(output.se_offset_c, apart_k);
         Some(format!(
-            "offset of `{}`: {found} was found, but it stands at {} in the {} rows before the first power; its standard error holds the difference",
+            "`{}`: the offset {found} contradicts the {} rows before the first power, at {}: a drift, losses that grow, or heat before the record; record again from rest",
             output.name,
-            short(stands_c, 4),
-            spread.count
+            spread.count,
+            short(stands_c, 4)
         ))
     }
 }

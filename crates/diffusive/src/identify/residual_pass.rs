@@ -120,8 +120,8 @@ impl ResidualPass {
                     }
                     predicted[output] = explained.iter().sum::<f64>() + fitted[output].shift;
                     drift[output] = levels[output].level(output_row[output] - predicted[output]);
-                    // What drove the first rows of a model with dead time stood before the record.
-                    if segment_row < longest as u64 {
+                    // What drove the first rows of a later segment late stood before it.
+                    if segment > 0 && segment_row < longest as u64 {
                         predicted[output] = f64::NAN;
                     } else if !is_missing {
                         self.residuals[output].push(output_row[output], predicted[output], drift[output]);

@@ -9,6 +9,7 @@
 //! White residuals have ρ within ±1.96/√N at nineteen lags of twenty, and Q follows χ² with as many
 //! degrees of freedom as lags.
 
+use super::stuck::{StuckReadings, StuckRun};
 use crate::model::Whiteness;
 use crate::model::certainty::NORMAL_95;
 
@@ -17,6 +18,9 @@ pub const LAGS: usize = 40;
 
 /// Residuals that find room before the last ones move to the end again.
 const ROOM: usize = 1024;
+
+/// Rows that are looked for as outliers at most.
+const MOST_OUTLIERS: usize = 8;
 
 /// A row as it is seen by whoever draws or writes residuals.
 pub struct FitRow<'a> {
@@ -48,8 +52,9 @@ pub struct Residuals {
     /// is none.
     last: Vec<f64>,
     newest: usize,
-    /// The greatest square, and the row that it is of.
-    greatest: (f64, u64),
+    /// The greatest squares and their rows, counted from 1, the greatest first.
+    greatest: Vec<(f64, u64)>,
+    stuck: StuckReadings,
     first_y: f64,
     y_sum: f64,
     y_squares: f64,
@@ -68,8 +73,12 @@ impl Residuals {
         }
         self.count += 1;
         self.squares += residual * residual;
-        if residual * residual > self.greatest.0 {
-            self.greatest = (residual * residual, self.count);
+        self.stuck.push(measured, predicted + drift);
+        let square = residual * residual;
+        if self.greatest.last().is_none_or(|least| square > least.0) {
+            let at = self.greatest.partition_point(|greater| greater.0 >= square);
+            self.greatest.insert(at, (square, self.count));
+            self.greatest.truncate(MOST_OUTLIERS);
         }
         let moved = measured - self.first_y;
         self.y_sum += moved;
@@ -94,11 +103,22 @@ impl Residuals {
         (self.y_squares == 0.0).then_some(self.first_y)
     }
 
-    /// A row, counted from 1, that alone makes more than half of all squares of at least a hundred
-    /// rows, and its part of them.
-    pub fn lonely_row(&self) -> Option<(u64, f64)> {
-        let part = self.greatest.0 / self.squares.max(f64::MIN_POSITIVE);
-        (self.count >= 100 && part > 0.5).then_some((self.greatest.1, part))
+    /// The fewest rows, counted from 1, that make more than half of all squares of at least a hundred
+    /// times as many rows, and their part of them.
+    pub fn outliers(&self) -> Option<(Vec<u64>, f64)> {
+        let parts = self.greatest.iter().scan(0.0, |sum, (square, _)| {
+            *sum += square / self.squares.max(f64::MIN_POSITIVE);
+            Some(*sum)
+        });
+        let (more, part) = parts.enumerate().find(|(_, part)| *part > 0.5)?;
+        let mut rows: Vec<u64> = self.greatest[..=more].iter().map(|(_, row)| *row).collect();
+        rows.sort_unstable();
+        (self.count >= 100 * rows.len() as u64).then_some((rows, part))
+    }
+
+    /// Readings that stood while the model moved.
+    pub fn stuck(&self) -> Option<StuckRun> {
+        self.stuck.found()
     }
 
     /// 100 (1 − ‖y − ŷ‖/‖y − mean y‖); 0 for a constant y, which nothing can fit better than its

@@ -60,6 +60,8 @@ struct BankSignal {
     first_gas_c: Option<f64>,
     /// Drives that have not arrived yet, oldest at `next`.
     late: Vec<f64>,
+    /// Whether the next drive was held before, as none is known.
+    is_held: bool,
     next: usize,
     /// Subtracted from an output, as it is from its column.
     shift: f64,
@@ -101,6 +103,7 @@ impl RegressionRows {
             drive: bank.drive,
             first_gas_c: None,
             late: vec![0.0; bank.delay],
+            is_held: !design.from_rest,
             next: 0,
             shift: match bank.drive {
                 BankDrive::Output(output) => output_shift[output],
@@ -212,6 +215,9 @@ impl BankSignal {
             }
         }
         if !self.late.is_empty() {
+            if std::mem::take(&mut self.is_held) {
+                self.late.fill(values[0]);
+            }
             for value in values {
                 std::mem::swap(value, &mut self.late[self.next]);
                 self.next = if self.next + 1 == self.late.len() { 0 } else { self.next + 1 };

@@ -5,7 +5,11 @@ use super::folds::FOLDS;
 use super::options::IdentifyOptions;
 use super::pass::Facts;
 use super::record::{RecordError, Survey};
-use crate::model::{Model, ModelOutput};
+use super::residuals::Residuals;
+use super::stuck::StuckRun;
+use recording::text::short;
+
+use crate::model::{Class, Model, ModelOutput};
 
 /// Column values beyond it have squares, and sums of squares, that are no longer numbers.
 const GREATEST: f64 = 1e100;
@@ -35,7 +39,7 @@ pub fn refuse(
         // From rest, a constant is a step at the first row.
         survey.refuse_if(
             facts.input_sd(input) == 0.0 && !(from_rest && value != 0.0),
-            format_args!("column `{name}` is {value} in all {rows} rows: an input that never changes excites nothing; record again with a changing input, or leave it out with --input"),
+            format_args!("column `{name}` is {value} in all {rows} rows: an input that never changes excites nothing; record again with a changing input, or leave it out with --input{}", if value == 0.0 { "" } else { "; if it was switched on at the first row, say --initial-state rest" }),
         )?;
     }
     if gated {
@@ -85,21 +89,70 @@ pub fn warnings(survey: &Survey, facts: &Facts) -> Vec<String> {
     warnings
 }
 
-/// Outputs that the model leaves as they are: an answer of nothing has no standard error that would
-/// give it away.
-pub fn silent(model: &Model) -> Vec<String> {
-    let is_nothing = |name: &str| {
-        let mut classes = model.pairs.iter().filter(|pair| pair.output == name).flat_map(|pair| pair.classes.values());
-        classes.all(|class| class.r_k_per_w.iter().chain([&class.feed_through_k_per_w]).all(|value| *value == 0.0))
-    };
-    let outputs = model.outputs.iter().filter(|output| output.residual_rms > 0.0 && is_nothing(&output.name));
-    let sentence = |output: &ModelOutput| {
+/// Readings of an output that are not believed.
+pub fn doubtful(name: &str, residuals: &Residuals) -> Vec<String> {
+    let mut doubts = Vec::new();
+    if let Some((rows, part)) = residuals.outliers() {
+        let list: Vec<String> = rows.iter().map(u64::to_string).collect();
+        let (rows, make) = if rows.len() == 1 { ("row", "alone makes") } else { ("rows", "alone make") };
+        doubts.push(format!(
+            "`{name}`: {rows} {} {make} {:.0} % of all squared residuals: a reading that went wrong? correct it, or cut the record there",
+            list.join(", "),
+            100.0 * part
+        ));
+    }
+    if let Some(StuckRun { value, first_row, rows, moved, is_extreme }) = residuals.stuck() {
+        let what = if is_extreme { "the reading is clipped" } else { "the sensor was stuck" };
+        doubts.push(format!(
+            "`{name}`: it is {value} in {rows} rows, first in row {first_row}, while the model moves by {}: {what}; leave these cells empty",
+            short(moved, 2)
+        ));
+    }
+    doubts
+}
+
+/// Refuses a model that explains nothing of any output; returns warnings of outputs that it does
+/// not explain.
+pub fn unexplained(model: &Model, survey: &Survey) -> Result<Vec<String>, RecordError> {
+    let found: Vec<String> = model.outputs.iter().filter_map(|output| why_nothing(model, output)).collect();
+    survey.refuse_if(found.len() == model.outputs.len() && !found.is_empty(), found.join("; "))?;
+    Ok(found)
+}
+
+/// Standard deviations of a chance by which inputs explain something.
+const BEYOND_CHANCE: f64 = 3.0;
+
+/// Why a model explains nothing of an output, if so.
+///
+/// Of n white values, p parameters explain n R²/(1 − R²) = p ± √2p variances by chance. Where an
+/// offset moves, the fit does not tell, but the steady gains.
+fn why_nothing(model: &Model, output: &ModelOutput) -> Option<String> {
+    let name = &output.name;
+    let pairs = || model.pairs.iter().filter(|pair| pair.output == *name);
+    let classes = || pairs().flat_map(|pair| pair.classes.values());
+    let values = classes().flat_map(|class| class.r_k_per_w.iter().chain([&class.feed_through_k_per_w]));
+    let parameters = values.filter(|value| **value != 0.0).count() as f64;
+    let ask = "are these the right columns, and was the element heated?";
+    if parameters == 0.0 {
+        return Some(format!("`{name}`: no input explains any of it, and all resistances are zero: {ask}"));
+    }
+    if output.drift.is_some() {
+        let is_known =
+            |class: &Class| class.steady_gain_k_per_w.abs() > output.inflation() * class.se_steady_gain_k_per_w;
+        return (!classes().any(is_known)).then(|| {
+            format!("`{name}`: no steady gain is greater than its standard error, and the offset moves: {ask}")
+        });
+    }
+    let left = (1.0 - output.fit_percent / 100.0).powi(2);
+    let (rows, inflation) = (model.provenance.rows as f64, output.inflation());
+    let explained = rows * (1.0 - left) / left.max(f64::MIN_POSITIVE) / (inflation * inflation);
+    let by_chance = parameters + BEYOND_CHANCE * (2.0 * parameters).sqrt();
+    (explained <= by_chance).then(|| {
         format!(
-            "`{}`: no input explains any of it, and all resistances are zero: are these the right columns, and was the element heated?",
-            output.name
+            "`{name}`: the inputs explain {:.2} % of it, no more than chance does: {ask} A reading that went wrong hides the answer, too",
+            output.fit_percent
         )
-    };
-    outputs.map(sentence).collect()
+    })
 }
 
 /// Share of the output below which its inputs explain too little of it, %.

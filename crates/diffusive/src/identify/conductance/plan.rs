@@ -73,7 +73,7 @@ pub(super) fn design(
         GasBanks::Gates => banks.extend(winds().map(|class| bank(BankDrive::Gate { class }))),
         GasBanks::Follows => banks.push(bank(BankDrive::Gas)),
     }
-    RegressionDesign { banks, initial_rad_s: mesh.rates_rad_s.clone(), outputs: elements }
+    RegressionDesign { banks, initial_rad_s: mesh.rates_rad_s.clone(), outputs: elements, from_rest: false }
 }
 
 /// Whether structures that follow the gas are tried, and those that do not: a gas that stands still

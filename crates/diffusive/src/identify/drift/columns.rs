@@ -196,6 +196,7 @@ mod tests {
             ],
             initial_rad_s: vec![0.02, 0.05, 0.4],
             outputs: 1,
+            from_rest: false,
         }
     }
 
@@ -208,12 +209,12 @@ mod tests {
             class: vec![0; to - from],
             ..Block::default()
         };
-        let mut whole = Accumulator::new(&design, &[], PERIOD_S, count as u64, 1, &[shift]);
+        let mut whole = Accumulator::new(&design, &[], PERIOD_S, count as u64, 1, &[shift], 0);
         whole.push(&block(0, count), GasSource::Constant(0.0));
         let (folds, ends) = whole.finish();
         // The offset's column is one: products with it are the columns themselves.
         let offset = design.roles().len() - 1;
-        let mut single = Accumulator::new(&design, &[], PERIOD_S, count as u64, count, &[shift]);
+        let mut single = Accumulator::new(&design, &[], PERIOD_S, count as u64, count, &[shift], 0);
         single.push(&block(0, count), GasSource::Constant(0.0));
         let columns = single.finish().0.iter().map(|gram| gram.sums.column(offset).as_slice().to_vec()).collect();
         (columns, folds[0].clone(), ends[0].clone())

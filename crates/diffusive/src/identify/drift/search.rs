@@ -154,7 +154,12 @@ fn starts_evidence(starts: Starts, rates_rad_s: &[f64], filter: &NoiseFilter, sa
         return 0.0;
     }
     let poles: Vec<f64> = filter.sections.iter().map(|section| section.pole_rad_s).collect();
-    let design = RegressionDesign { banks: Vec::new(), initial_rad_s: [rates_rad_s, &poles].concat(), outputs: 0 };
+    let design = RegressionDesign {
+        banks: Vec::new(),
+        initial_rad_s: [rates_rad_s, &poles].concat(),
+        outputs: 0,
+        from_rest: false,
+    };
     let (columns, width) = (PoleColumns::of(&design, sample_period_s), design.width());
     let (offset, rows) = (width - 1, starts.rows / starts.segments);
     // Σ_n e^(−(ξ + ζ) n Ts)

@@ -33,7 +33,7 @@ mod source;
 mod tests;
 
 use super::drift::DriftGiven;
-use super::options::{FitObserver, IdentifyOptions, Losses, Progress};
+use super::options::{FitObserver, IdentifyOptions, InitialState, Losses, Progress};
 use super::record::{RecordError, RecordSource, Survey};
 use crate::model::{Model, PlacedLoss, Structure};
 use search::{FoundLoss, search};
@@ -95,19 +95,34 @@ pub fn identify(
     }
     let plain = linear(source, &given, progress, observer)?;
     let is_too_much = is_auto && plain.inputs.len() * plain.classes.len() > MOST_BANKS;
-    let is_made_for_it = plain.structure == Structure::Symbol && !elements(&plain).is_empty() && !feeds_through(&plain);
+    let is_made_for_it = plain.structure == Structure::Symbol && !elements(&plain).is_empty();
     if options.losses == Losses::None || !is_made_for_it || is_too_much {
         return Ok(plain);
     }
-    // What a growing loss leaves looks like a drift: losses are sought beside an offset that
-    // stands. Nobody hears of that model's rows, so that the plain one's stay the last.
-    let standing = if is_auto && plain.outputs.iter().any(|output| output.drift.is_some()) {
+    // What a growing loss leaves looks like a drift, or an answer at once: losses are sought with
+    // neither. Nobody hears of that model's rows, so that the plain one's stay the last.
+    let imitates = plain.outputs.iter().any(|output| output.drift.is_some()) || feeds_through(&plain);
+    let standing = if is_auto && imitates {
         given.drift = DriftGiven::None;
+        given.constraints.feed_through = Some(false);
         linear(source, &given, progress, &mut |_| {})?
     } else {
         plain.clone()
     };
     let mut first = search(source, &standing, &elements(&standing), progress)?;
+    let is_free = standing.chosen.initial_state == InitialState::Free.name();
+    if is_auto && is_free && options.constraints.initial_state.is_none() {
+        // Decays from any initial state take up what the first of two levels shows.
+        let mut rested = standing.clone();
+        rested.chosen.initial_state = InitialState::Rest.name().to_owned();
+        let mut from_rest = search(source, &rested, &elements(&rested), progress)?;
+        for (own, free) in from_rest.iter_mut().zip(&first) {
+            own.scores[0] = free.scores[0].clone();
+        }
+        if is_evident(&from_rest, &from_rest, WORTH_A_TRIAL, 1.0) {
+            first = from_rest;
+        }
+    }
     first.retain(FoundLoss::is_told);
     if is_auto && !is_evident(&first, &first, WORTH_A_TRIAL, 1.0) {
         return Ok(plain);

@@ -37,7 +37,12 @@ impl ProfileDesign {
     pub fn of(model: &Model, output: usize, losses: &[SearchedLoss]) -> Self {
         let gated = model.classes.len() > 1;
         let mut found = Self {
-            design: RegressionDesign { banks: Vec::new(), initial_rad_s: Vec::new(), outputs: model.outputs.len() },
+            design: RegressionDesign {
+                banks: Vec::new(),
+                initial_rad_s: Vec::new(),
+                outputs: model.outputs.len(),
+                from_rest: initial_state(model) == InitialState::Rest,
+            },
             losses: Vec::new(),
             positive: Vec::new(),
             inputs: Vec::new(),

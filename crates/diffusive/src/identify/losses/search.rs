@@ -41,6 +41,8 @@ pub struct FoundLoss {
     pub greatest_rise_k: f64,
     /// Cross-validated without and with all losses.
     pub scores: [Score; 2],
+    /// Whether the input heats at one level and by one step: a linear body answers so, too.
+    pub is_of_one_level: bool,
 }
 
 impl FoundLoss {
@@ -52,7 +54,7 @@ impl FoundLoss {
     /// Whether the record tells it from others: the sum of squares has its least value there, and
     /// heat warms.
     pub fn is_told(&self) -> bool {
-        self.se_w_per_k2.is_finite() && self.gain_k_per_w > 0.0
+        self.se_w_per_k2.is_finite() && self.gain_k_per_w > 0.0 && !self.is_of_one_level
     }
 
     /// g with its standard error where residuals remember, W/K².
@@ -161,6 +163,7 @@ fn reading(
             offset_slope: slope(&ProfilePoint::offset_k),
             greatest_rise_k: greatest[at],
             scores: [profile.score(&none), profile.score(&g)],
+            is_of_one_level: facts.is_of_one_level(losses[at].placed.input),
         });
     }
     Ok(found)

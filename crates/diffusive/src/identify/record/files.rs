@@ -5,7 +5,7 @@
 
 use std::path::PathBuf;
 
-use super::bridge::{BridgedColumn, bridge};
+use super::bridge::{BridgedColumn, bridge, insert_rows, unmark};
 use super::columns::shown;
 use super::error::RecordError;
 use super::roles::Roles;
@@ -26,6 +26,15 @@ pub(super) struct RawRows {
     pub time_s: Vec<f64>,
     /// As [`RecordFiles::slot`] numbers them; that of the times is empty.
     pub columns: Vec<ColumnValues>,
+    /// Rows that the file lacks, ascending.
+    pub inserted: Vec<usize>,
+}
+
+impl RawRows {
+    /// Number of a row in its file, from 1.
+    pub(super) fn number(&self, row: usize) -> u64 {
+        self.first_row + (row - self.inserted.partition_point(|&inserted| inserted <= row)) as u64 + 1
+    }
 }
 
 pub(super) struct RecordFiles {
@@ -37,9 +46,17 @@ pub(super) struct RecordFiles {
     /// Of a table without times.
     period_s: Option<f64>,
     event: Option<usize>,
+    inputs: Vec<usize>,
+    /// Whether rows that are missing may be inserted: not where a gas that is an output would lack.
+    may_insert: bool,
     /// Columns whose missing values may be filled, and how many were.
     bridged: Vec<(usize, BridgedColumn)>,
     filled: Vec<u64>,
+    /// Rows that the files lack and that follow, and their gaps in time.
+    pub inserted: u64,
+    pub bridged_gaps: u64,
+    /// By column that is read: values that a marker makes missing.
+    marked: Vec<u64>,
     /// The columns that are read, each once; the time first, if it has one.
     columns: Vec<usize>,
     names: Vec<String>,
@@ -71,6 +88,9 @@ impl RecordFiles {
             .collect();
         let mut files = Self {
             filled: vec![0; bridged.len()],
+            inserted: 0,
+            bridged_gaps: 0,
+            marked: vec![0; columns.len()],
             bridged,
             paths: paths.to_vec(),
             given: selection.columns.clone(),
@@ -79,6 +99,8 @@ impl RecordFiles {
             unit: roles.time.unit,
             period_s: selection.sample_period_s,
             event: roles.event,
+            inputs: roles.inputs.clone(),
+            may_insert: roles.gas.is_none_or(|gas| !roles.outputs.contains(&gas)),
             columns,
             names: Vec::new(),
             next: 0,
@@ -106,6 +128,12 @@ impl RecordFiles {
         filled.map(|((column, _), &filled)| (self.names[*column].as_str(), filled))
     }
 
+    /// Names of columns in which markers stand for missing values, and how many.
+    pub(super) fn marked(&self) -> impl Iterator<Item = (&str, u64)> {
+        let marked = self.columns.iter().zip(&self.marked).filter(|(_, marked)| **marked > 0);
+        marked.map(|(&column, &marked)| (self.names[column].as_str(), marked))
+    }
+
     /// What the first file says of itself.
     pub(super) fn metadata(&self) -> Result<Metadata, RecordError> {
         Ok(RecordingReader::open_named(&self.paths[0], &self.given)?.metadata())
@@ -125,6 +153,8 @@ impl RecordFiles {
         (self.next, self.row, self.reader) = (0, 0, None);
         if !self.is_whole {
             self.filled.fill(0);
+            self.marked.fill(0);
+            (self.inserted, self.bridged_gaps) = (0, 0);
             self.kept.clear();
             self.cells = 0;
         }
@@ -179,13 +209,27 @@ impl RecordFiles {
             self.reader = Some(reader);
             let columns = chunk.into_iter().map(|column| column.values).collect();
             let mut rows = self.raw(columns)?;
+            let read = rows.time_s.len();
+            for (marked, column) in self.marked.iter_mut().zip(&mut rows.columns) {
+                if let ColumnValues::Numbers(values) = column {
+                    *marked += unmark(values);
+                }
+            }
+            let inputs: Vec<usize> = self.inputs.iter().map(|&input| self.slot(input)).collect();
+            if self.may_insert {
+                insert_rows(&mut rows, &inputs);
+            }
+            self.inserted += rows.inserted.len() as u64;
+            let begins_gap = |pair: &[usize]| pair[1] != pair[0] + 1;
+            self.bridged_gaps += u64::from(!rows.inserted.is_empty());
+            self.bridged_gaps += rows.inserted.windows(2).filter(|pair| begins_gap(pair)).count() as u64;
             for at in 0..self.bridged.len() {
                 let (column, how) = self.bridged[at];
                 if let ColumnValues::Numbers(values) = &mut rows.columns[self.slot(column)] {
                     self.filled[at] += bridge(values, how);
                 }
             }
-            self.row += rows.time_s.len() as u64;
+            self.row += read as u64;
             self.cells += rows.time_s.len() * self.columns.len();
             self.is_kept &= self.cells <= MOST_CELLS;
             if self.is_kept {
@@ -202,14 +246,14 @@ impl RecordFiles {
         if let Some(period_s) = self.period_s {
             let rows = columns.first().map_or(0, ColumnValues::len) as u64;
             let time_s = (first_row..first_row + rows).map(|row| row as f64 * period_s).collect();
-            return Ok(RawRows { file, first_row, time_s, columns });
+            return Ok(RawRows { file, first_row, time_s, columns, inserted: Vec::new() });
         }
         let (path, name, unit) = (&self.paths[file], &self.time_column, self.unit);
         let mut time_s = std::mem::take(numbers(path, name, &mut columns[0], first_row)?);
         if unit != TimeUnit::Second {
             time_s.iter_mut().for_each(|time| *time = unit.seconds(*time));
         }
-        Ok(RawRows { file, first_row, time_s, columns })
+        Ok(RawRows { file, first_row, time_s, columns, inserted: Vec::new() })
     }
 }
 

@@ -114,10 +114,12 @@ fn refuse(files: &RecordFiles, roles: &Roles, tally: &Tally) -> Result<(), Recor
         };
         return Err(RecordError::content(&files.paths[*file], format!("{which}: name another column, or fill it")));
     }
-    if tally.gaps as f64 > (MOST_GAPS * tally.rows as f64).max(1.0) {
+    let gaps = tally.gaps + files.bridged_gaps;
+    if gaps as f64 > (MOST_GAPS * (tally.rows - files.inserted.min(tally.rows)) as f64).max(1.0) {
         return refuse(format!(
             "its times are uneven: {} of {} rows come more than half a period late; resample the record to uniform times",
-            tally.gaps, tally.rows
+            gaps,
+            tally.rows - files.inserted.min(tally.rows)
         ));
     }
     Ok(())
@@ -133,6 +135,15 @@ fn remarks(files: &RecordFiles, roles: &Roles, tally: &Tally, period_s: f64) -> 
             "{gaps} in time, of {rows} of {} s: nothing is taken from one side to the other",
             tidy(period_s)
         ));
+    }
+    if files.inserted > 0 {
+        let (rows, period_s) = (several(files.inserted, "row"), tidy(period_s));
+        notes.push(format!(
+            "{rows} missing in time, {period_s} s apart, in which inputs stand: they follow from those beside"
+        ));
+    }
+    for (name, marked) in files.marked() {
+        notes.push(format!("`{name}` is -9999 or 9.9e37 in {}: taken for missing", several(marked, "row")));
     }
     for (name, filled) in files.filled() {
         notes.push(format!("`{name}` is missing in {}, and follows from those beside", several(filled, "row")));

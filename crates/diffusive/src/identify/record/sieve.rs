@@ -87,7 +87,7 @@ impl Sieve {
         let mut needed = lacking(path, raw, &needed)?;
         let outputs = lacking(path, raw, &outputs)?;
         if !raw.time_s.iter().fold(true, |all, value| all & value.is_finite()) {
-            refuse_infinite(path, &files.time_column, &raw.time_s, raw.first_row)?;
+            refuse_infinite(path, &files.time_column, &raw.time_s, raw)?;
             needed.insert(0, LackingColumn { at: 0, name: &files.time_column, values: &raw.time_s });
         }
         let mut pieces: Vec<Piece> = Vec::new();
@@ -102,7 +102,7 @@ impl Sieve {
             let lacks = lacks.or_else(|| self.lacks_output(&outputs, row));
             let (Some(place), None) = (place, lacks) else {
                 self.tally.dropped += 1;
-                let number = raw.first_row + row as u64 + 1;
+                let number = raw.number(row);
                 self.tally
                     .first_dropped
                     .get_or_insert_with(|| (raw.file, number, lacks.unwrap_or_default().to_owned()));
@@ -184,8 +184,7 @@ impl Sieve {
         let now_s = raw.time_s[row];
         let before_s = self.clock.last_s();
         self.clock.place(now_s).map_err(|fault| {
-            let (name, number, before_s) =
-                (&files.time_column, raw.first_row + row as u64 + 1, before_s.unwrap_or(now_s));
+            let (name, number, before_s) = (&files.time_column, raw.number(row), before_s.unwrap_or(now_s));
             let sentence = match fault {
                 ClockFault::DoesNotAscend => does_not_ascend(name, number, before_s, now_s),
                 ClockFault::TooEarly => format!(
@@ -224,19 +223,19 @@ fn lacking<'a>(
         let ColumnValues::Numbers(values) = &raw.columns[*slot] else { continue };
         // Without a branch in the loop: this runs over every value of every record.
         if !values.iter().fold(true, |all, value| all & value.is_finite()) {
-            refuse_infinite(path, name, values, raw.first_row)?;
+            refuse_infinite(path, name, values, raw)?;
             lacking.push(LackingColumn { at, name, values });
         }
     }
     Ok(lacking)
 }
 
-fn refuse_infinite(path: &Path, name: &str, values: &[f64], first_row: u64) -> Result<(), RecordError> {
+fn refuse_infinite(path: &Path, name: &str, values: &[f64], raw: &RawRows) -> Result<(), RecordError> {
     match values.iter().position(|value| value.is_infinite()) {
         None => Ok(()),
         Some(at) => {
             let what = "an infinite value; cut the record there or fill the gap";
-            Err(RecordError::value(path, name, first_row + at as u64, what))
+            Err(RecordError::value(path, name, raw.number(at) - 1, what))
         }
     }
 }

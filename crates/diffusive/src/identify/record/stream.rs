@@ -177,7 +177,7 @@ impl RecordStream {
         let most_s = period_s * if self.has_jitter { LATE } else { 0.5 };
         let is_off = |(now_s, n): &(f64, u64)| (now_s - (begin_s + *n as f64 * period_s)).abs() > most_s;
         let Some((at, (now_s, n))) = times.enumerate().find(|(_, time)| is_off(time)) else { return Ok(()) };
-        let row = raw.first_row + (piece.rows.start + at) as u64 + 1;
+        let row = raw.number(piece.rows.start + at);
         let sentence = format!(
             "row {row}: `{}` is {now_s} s where {} s is due after {n} periods of {} s: its rate drifts; resample the record \
              to uniform times",

@@ -34,13 +34,25 @@ pub struct RefinedBank {
     pub non_negative: bool,
 }
 
+/// How an input reaches an output.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Path {
+    /// Dead time in samples.
+    pub delay: usize,
+    pub feed_through: bool,
+}
+
 /// What stays while rates move.
 #[derive(Clone)]
 pub struct Setup {
     pub parts: Vec<RefinedBank>,
+    /// Rows of later segments that are left out: the longest dead time that is tried.
+    pub lead: usize,
     pub feed_through: bool,
     /// `None` until the first reading has shown which.
     pub initial_state: Option<InitialState>,
+    /// Whether nothing heated before the record.
+    pub from_rest: bool,
     /// Whether the design has initial decays.
     pub initial: bool,
     pub outputs: usize,
@@ -57,12 +69,27 @@ impl Setup {
             feed_through: self.feed_through,
         };
         let initial_rad_s = if self.initial { rates_rad_s.to_vec() } else { Vec::new() };
-        RegressionDesign { banks: self.parts.iter().map(bank).collect(), initial_rad_s, outputs: self.outputs }
+        let banks = self.parts.iter().map(bank).collect();
+        RegressionDesign { banks, initial_rad_s, outputs: self.outputs, from_rest: self.from_rest }
     }
 
-    /// The design that is read: each rate between its two neighbours.
+    /// All banks have the same path.
+    pub fn path(&self) -> Path {
+        Path { delay: self.parts.first().map_or(0, |part| part.delay), feed_through: self.feed_through }
+    }
+
+    pub fn with_path(&self, Path { delay, feed_through }: Path) -> Self {
+        let parts = self.parts.iter().map(|part| RefinedBank { delay, ..*part }).collect();
+        Self { parts, feed_through, ..self.clone() }
+    }
+
+    /// The design that is read: each rate between its two neighbours. A bank without rates leaves
+    /// out the rows that the longest dead time does.
     pub fn tripled(&self, rates_rad_s: &[f64]) -> RegressionDesign {
-        self.design(&tripled(rates_rad_s))
+        let mut design = self.design(&tripled(rates_rad_s));
+        let drive = self.parts[0].drive;
+        design.banks.push(RelaxationBank { drive, rates_rad_s: Vec::new(), delay: self.lead, feed_through: false });
+        design
     }
 
     /// The parameters of a design with some initial state.

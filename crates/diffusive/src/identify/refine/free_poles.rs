@@ -15,6 +15,8 @@ use crate::model::ModelOutput;
 /// One output's poles.
 pub struct FreePoles {
     pub search: RateSearch,
+    /// Whether other paths were tried.
+    pub is_reopened: bool,
     pub point: Point,
     pub score: Score,
     pub initial_state: InitialState,
@@ -112,5 +114,5 @@ pub fn settled(
     let mut terms = search.setup.terms(&design, initial_state, &facts.first_drives(&design));
     terms.resize(point.joint.theta.len(), ModelTerm { of: Vec::new(), role: Role::Offset });
     let solution = point.solution();
-    Ok(FreePoles { search, point, score, initial_state, design, terms, solution, unresolved })
+    Ok(FreePoles { search, is_reopened: false, point, score, initial_state, design, terms, solution, unresolved })
 }

@@ -30,7 +30,7 @@ mod search;
 
 use dr_core::model::ORDER;
 
-use self::columns::{Point, RefinedBank, Setup};
+use self::columns::{Path, Point, RefinedBank, Setup};
 use self::free_poles::{FreePoles, is_better, settled};
 use self::report::RefineContext;
 use self::search::{RateSearch, SearchState};
@@ -39,12 +39,16 @@ use super::design::{BankDrive, GasSource};
 use super::folds::{FOLDS, FoldedEquations, Score};
 use super::gram::Gram;
 use super::options::{FitObserver, IdentifyOptions, InitialState, Progress};
-use super::pass::pass;
+use super::pass::{Facts, pass};
 use super::prior::{Prior, Scales};
 use super::record::{RecordError, RecordSource, Survey};
 use crate::model::{Model, Pair, Structure, reduce};
 
 const WEAK: f64 = 1e-12;
+/// Ratio of cross-validated errors up to which a plainer path is as good.
+const AS_GOOD: f64 = 1.01;
+/// Samples by which a dead time is sought around that of the mesh.
+const FARTHEST: usize = 6;
 /// Resistances below this share of the greatest do not say where poles are.
 const MATTERS: f64 = 0.03;
 
@@ -74,16 +78,63 @@ pub fn refine(
     let (rows, period_s) = (survey.rows, survey.sample_period_s);
     let (thesis_rad_s, nyquist) =
         dr_core::model::mesh::thesis_edges_rad_s(rows as f64 * period_s, period_s, mesh.classes.len() as u32);
+    let bounds_rad_s = (thesis_rad_s / 100.0, 3.0 * nyquist);
     let mut searches = Vec::new();
     for (output, of) in mesh.outputs.iter().enumerate() {
-        let setup = setup(mesh, &of.name, output, options);
-        for start in starts(&survey, mesh, &setup, poles)? {
-            searches.push(RateSearch::new(setup.clone(), &start, (thesis_rad_s / 100.0, 3.0 * nyquist)));
+        for setup in setups(mesh, &of.name, output, options) {
+            for start in starts(&survey, mesh, &setup, poles)? {
+                searches.push(RateSearch::new(setup.clone(), &start, bounds_rad_s));
+            }
         }
     }
+    // By output: the best start of each path.
+    let mut found: Vec<Vec<TriedPath>> = mesh.outputs.iter().map(|_| Vec::new()).collect();
+    let mut known = None;
+    for _ in 0..=FARTHEST {
+        if searches.is_empty() {
+            break;
+        }
+        known = Some(run(source, &mut searches, thesis_rad_s, progress)?);
+        let facts = &known.as_ref().expect("set above").0;
+        for search in std::mem::take(&mut searches) {
+            let (output, path) = (search.setup.output, search.setup.path());
+            let new = settled(&survey, search, &mesh.outputs, poles, facts, std::f64::consts::PI / period_s);
+            match found[output].iter_mut().find(|(of, _)| *of == path) {
+                Some((_, old)) if is_better(&new, old) => *old = new,
+                Some(_) => {}
+                None => found[output].push((path, new)),
+            }
+        }
+        // A sample less and more than the best, from its rates on.
+        for found in &found {
+            let Some((path, Ok(best))) = found.get(best_of(found)) else { continue };
+            let is_new = |path: &Path| is_open(path, options) && !found.iter().any(|(of, _)| of == path);
+            let around = [path.delay.saturating_sub(1), path.delay, path.delay + 1];
+            let around = around.map(|delay| Path { delay, feed_through: false });
+            for path in around.into_iter().filter(is_new) {
+                let setup = best.search.setup.with_path(path);
+                searches.push(RateSearch::new(setup, &best.point.rates_rad_s, bounds_rad_s));
+            }
+        }
+    }
+    let Some((facts, shift)) = known else { return Err(survey.refuse("has no output")) };
+    let found = found.into_iter().map(plainest).collect::<Result<Vec<_>, _>>()?;
+    let known = RefineContext { mesh, survey: &survey, facts: &facts, output_shift: &shift, thesis_rad_s };
+    report::model(source, &known, &found, sight)
+}
 
-    let mut last = None;
-    while searches.iter().any(|search| search.state == SearchState::Going) {
+/// A path, and the poles with it.
+type TriedPath = (Path, Result<FreePoles, RecordError>);
+
+/// Moves the rates of all searches until they settle.
+fn run(
+    source: &mut dyn RecordSource,
+    searches: &mut [RateSearch],
+    thesis_rad_s: f64,
+    progress: &mut Progress<'_>,
+) -> Result<(Facts, Vec<f64>), RecordError> {
+    let rows = source.survey().rows;
+    loop {
         let going: Vec<&mut RateSearch> =
             searches.iter_mut().filter(|search| search.state == SearchState::Going).collect();
         let designs: Vec<_> = going.iter().map(|search| search.setup.tripled(&search.trial_rad_s)).collect();
@@ -98,22 +149,44 @@ pub fn refine(
             }
             search.take(Point::of(&search.setup, &search.trial_rad_s, folds, &scales, &first_drives));
         }
-        last = Some((passed.facts, passed.output_shift));
-    }
-    let Some((facts, shift)) = last else { return Err(survey.refuse("has no output")) };
-    let mut found: Vec<Result<FreePoles, RecordError>> = Vec::new();
-    for search in searches {
-        let output = search.setup.output;
-        let new = settled(&survey, search, &mesh.outputs, poles, &facts, std::f64::consts::PI / period_s);
-        match found.get_mut(output) {
-            None => found.push(new),
-            Some(old) if is_better(&new, old) => *old = new,
-            Some(_) => {}
+        if searches.iter().all(|search| search.state != SearchState::Going) {
+            return Ok((passed.facts, passed.output_shift));
         }
     }
-    let found = found.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let known = RefineContext { mesh, survey: &survey, facts: &facts, output_shift: &shift, thesis_rad_s };
-    report::model(source, &known, &found, sight)
+}
+
+fn is_open(path: &Path, options: &IdentifyOptions) -> bool {
+    let given = &options.constraints;
+    given.delay.is_none_or(|of| path.delay == of) && given.feed_through.is_none_or(|of| path.feed_through == of)
+}
+
+/// Setups of an output: without dead time and answer at once, and as the mesh has it, which takes
+/// them for what its rates lack.
+fn setups(mesh: &Model, name: &str, output: usize, options: &IdentifyOptions) -> Vec<Setup> {
+    let on_mesh = setup(mesh, name, output, options);
+    let plain = on_mesh.with_path(Path { delay: 0, feed_through: false });
+    let is_other = plain.path() != on_mesh.path() && is_open(&plain.path(), options);
+    [Some(plain).filter(|_| is_other), Some(on_mesh)].into_iter().flatten().collect()
+}
+
+/// The path that predicts held-out folds best.
+fn best_of(found: &[TriedPath]) -> usize {
+    let overall = |of: &TriedPath| of.1.as_ref().map_or(f64::INFINITY, |poles| poles.score.overall());
+    (0..found.len()).min_by(|&a, &b| overall(&found[a]).total_cmp(&overall(&found[b]))).unwrap_or(0)
+}
+
+/// The plainest path that predicts held-out folds as well as the best, with its poles.
+fn plainest(mut found: Vec<TriedPath>) -> Result<FreePoles, RecordError> {
+    found.sort_by_key(|(path, _)| (path.feed_through, path.delay));
+    let best = best_of(&found);
+    let is_as_good = |(_, own): &TriedPath| match (own, &found[best].1) {
+        (Ok(own), Ok(best)) => own.score.is_plausible_beside(&best.score, AS_GOOD),
+        _ => false,
+    };
+    let taken = found.iter().position(is_as_good).unwrap_or(best);
+    let is_reopened = found.len() > 1;
+    let (_, poles) = found.swap_remove(taken);
+    poles.map(|poles| FreePoles { is_reopened, ..poles })
 }
 
 fn setup(mesh: &Model, name: &str, output: usize, options: &IdentifyOptions) -> Setup {
@@ -134,9 +207,11 @@ fn setup(mesh: &Model, name: &str, output: usize, options: &IdentifyOptions) -> 
         feeds |= of.classes.values().any(|class| class.feed_through_k_per_w != 0.0);
     }
     Setup {
+        lead: parts.iter().map(|part| part.delay).max().unwrap_or(0) + FARTHEST,
         parts,
         feed_through: options.constraints.feed_through.unwrap_or(feeds),
         initial_state: options.constraints.initial_state,
+        from_rest: mesh.chosen.initial_state == InitialState::Rest.name(),
         initial: options.constraints.initial_state != Some(InitialState::Rest),
         outputs: mesh.outputs.len(),
         output,

@@ -3,12 +3,13 @@
 use super::super::design::GasSource;
 use super::super::fitted::FittedOutput;
 use super::super::folds::change;
-use super::super::options::FitObserver;
+use super::super::options::{FitObserver, InitialState};
 use super::super::outcome;
 use super::super::pass::Facts;
 use super::super::record::{RecordError, RecordSource, Survey};
 use super::super::residual_pass::ResidualPass;
 use super::super::support;
+use super::columns::Path;
 use super::free_poles::FreePoles;
 use crate::model::{Chosen, Model};
 
@@ -34,7 +35,7 @@ pub fn model(
         found.iter().zip(output_shift).map(|(found, &shift)| found.fitted(shift, survey.sample_period_s)).collect();
     let residuals = ResidualPass::of(source, GasSource::Constant(0.0), &fitted, sight)?;
     let names: Vec<String> = mesh.outputs.iter().map(|output| output.name.clone()).collect();
-    let outputs = outcome::outputs(&names, &fitted, &residuals);
+    let mut outputs = outcome::outputs(&names, &fitted, &residuals);
     let mut pairs = mesh.pairs.clone();
     for (found, fitted) in found.iter().zip(&fitted) {
         let rates = &found.point.rates_rad_s;
@@ -42,15 +43,22 @@ pub fn model(
         for (bank, part) in found.search.setup.parts.iter().enumerate() {
             let of = &mut pairs[part.pair];
             (of.mesh_rad_s, of.se_rate_rad_s) = (rates.clone(), Some(se.clone()));
+            of.dead_time_samples = part.delay;
             let first = found.point.theta.len();
             let class = fitted.class(bank, first..first + rates.len());
             of.classes.insert(mesh.classes[part.class].clone(), class);
         }
     }
-    let mut warnings = support::warnings(survey, facts);
+    let contradicted = found.iter().enumerate().filter_map(|(output, found)| {
+        let at_rest = found.initial_state != InitialState::Free;
+        facts.quiet_start.held_against(output, at_rest, &mut outputs[output])
+    });
+    let mut warnings: Vec<String> = contradicted.collect();
+    warnings.extend(support::warnings(survey, facts));
     for (output, found) in found.iter().enumerate() {
         warnings.extend(outcome::warnings(output, &found.score, &[], &pairs, survey, facts));
     }
+    warnings.extend(names.iter().zip(&residuals.residuals).flat_map(|(name, of)| support::doubtful(name, of)));
     // Poles that are not resolved leave the model as good as one of fewer poles.
     let supported = warnings.is_empty();
     warnings.extend(found.iter().flat_map(|found| found.unresolved.clone()));
@@ -66,6 +74,16 @@ pub fn model(
         pairs,
         ..mesh.clone()
     })
+}
+
+/// The path that an output has on its mesh.
+fn of_mesh(mesh: &Model, name: &str) -> Path {
+    let pairs = || mesh.pairs.iter().filter(|pair| pair.output == name);
+    let mut classes = pairs().flat_map(|pair| pair.classes.values());
+    Path {
+        delay: pairs().next().map_or(0, |pair| pair.dead_time_samples),
+        feed_through: classes.any(|class| class.feed_through_k_per_w != 0.0),
+    }
 }
 
 fn chosen(mesh: &Model, found: &[FreePoles], thesis_rad_s: f64) -> Chosen {
@@ -87,10 +105,18 @@ fn chosen(mesh: &Model, found: &[FreePoles], thesis_rad_s: f64) -> Chosen {
             found.search.readings,
             found.initial_state.name()
         ));
+        let path = found.search.setup.path();
+        if found.is_reopened && path != of_mesh(mesh, &output.name) {
+            let Path { delay, feed_through } = path;
+            let with = if feed_through { "with" } else { "no" };
+            reasons.push(format!(
+                "dead time {delay} samples, {with} feed-through, with free poles: other paths predict no better"
+            ));
+        }
     }
     Chosen {
         feed_through: setup.feed_through,
-        dead_time_samples: mesh.chosen.dead_time_samples,
+        dead_time_samples: setup.path().delay,
         non_negative: mesh.chosen.non_negative,
         ..outcome::chosen_by(rates, rates[0] / thesis_rad_s, first.initial_state, setup.prior, &first.score, reasons)
     }

@@ -171,8 +171,11 @@ fn a_supported_model_predicts_another_record_and_an_unsupported_one_does_not() {
         assert!(supported && fit > 80.0, "{seed} {supported} {fit}");
         // The wrong column, and a record of half a slowest time constant.
         let wrong = SimulatedRecord { u: bits(4000, seed + 50), ..made(4000, &THREE, 0.0, 0.01, seed) };
-        let (supported, fit) = judged(&wrong, &THREE, None);
-        assert!(!supported && fit < 50.0, "{seed} {supported} {fit}");
+        let mut wrong = RecordTable::new(PERIOD_S, vec![("u".into(), wrong.u)], vec![("y".into(), wrong.y)]).unwrap();
+        match identify(&mut wrong, &IdentifyOptions::default(), &mut |_, _, _| {}, &mut |_| {}) {
+            Ok(model) => assert!(!model.supported && model.fit_percent < 50.0, "{seed} {model:?}"),
+            Err(refused) => assert!(refused.to_string().contains("are these the right columns"), "{seed} {refused}"),
+        }
         let (supported, fit) = judged(&made(42, &THREE, 0.0, 0.01, seed), &THREE, None);
         assert!(!supported && fit < 99.0, "{seed} {supported} {fit}");
     }

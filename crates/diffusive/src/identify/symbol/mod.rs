@@ -20,8 +20,9 @@ use super::options::{FitObserver, IdentifyOptions, InitialState, Progress};
 use super::pass::labels;
 use super::record::{RecordError, RecordSource, Survey};
 use super::residual_pass::{ResidualPass, observed};
+use super::residuals::Residuals;
 use super::tied::{Tied, tie};
-use super::whiteness::prefer_white;
+use super::whiteness::{is_white, prefer_white};
 use crate::model::Model;
 use plan::{SymbolPlan, SymbolReading};
 use report::SymbolResult;
@@ -29,6 +30,10 @@ use report::SymbolResult;
 /// An average that leaves more than so many times the residual of the ordinary choice explains too
 /// little to be better: measured records are predicted best with 2 to 4.
 const COARSER: f64 = 3.0;
+
+/// Ratio of cross-validated errors up to which a model without dead time and answer at once is as
+/// good.
+const AS_GOOD: f64 = 1.01;
 
 /// Identifies a record with a symbol a pair and class: what is tried, one reading, choices on its
 /// sums, residuals in another.
@@ -43,9 +48,27 @@ pub fn identify(
 ) -> Result<Model, RecordError> {
     let (survey, classes) = (asked_of(source.survey(), options), labels(source, progress)?);
     let path = delay::decide(source, &options.constraints)?;
-    let reading = SymbolPlan::of(survey, classes, path, options)?.read(source, options, progress)?;
-    progress("choosing", 0, 1);
-    let choices = decided(source, &reading, options, progress)?;
+    let plainer = path.plainer(&options.constraints);
+    let first = SymbolPlan::of(survey.clone(), classes.clone(), path, options)?;
+    let (mut reading, mut choices) = read(first, source, options, progress)?;
+    for path in plainer {
+        let plan = SymbolPlan::of(survey.clone(), classes.clone(), path, options)?;
+        let (other, others) = read(plan, source, options, progress)?;
+        let (after, before) = (left_by(source, &other, &others)?, left_by(source, &reading, &choices)?);
+        // White residuals are proof that nothing is missing, but for the signs of a body. Those that
+        // any initial state allows for are no sign of it.
+        let is_free = |choice: &Choice| choice.trial.initial_state == InitialState::Free;
+        let is_as_good = |at: usize| {
+            let is_alike = !is_free(&choices[at]) || is_free(&others[at]);
+            let costs_signs = is_alike && choices[at].positive.is_some() && others[at].positive.is_none();
+            let is_proven = is_white(&after[at]) && after[at].rms() <= AS_GOOD * before[at].rms();
+            !costs_signs && (is_proven || others[at].score.is_plausible_beside(&choices[at].score, AS_GOOD))
+        };
+        if (0..others.len()).all(is_as_good) {
+            (reading, choices) = (other, others);
+            break;
+        }
+    }
     if options.asks_for_an_initial_state() {
         let open = options.with_any_initial_state();
         let others = decided(source, &reading, &open, progress)?;
@@ -66,6 +89,19 @@ pub fn identify(
     let residuals = ResidualPass::of(source, GasSource::Constant(0.0), &fitted, &mut row)?;
     let result = SymbolResult { reading: &reading, choices: &choices, fitted: &fitted, residuals };
     Ok(result.model(&options.constraints, tie_reason, tie_warning))
+}
+
+/// One reading for a plan, and the choices on its sums.
+fn read(
+    plan: SymbolPlan,
+    source: &mut dyn RecordSource,
+    options: &IdentifyOptions,
+    progress: &mut Progress<'_>,
+) -> Result<(SymbolReading, Vec<Choice>), RecordError> {
+    let reading = plan.read(source, options, progress)?;
+    progress("choosing", 0, 1);
+    let choices = decided(source, &reading, options, progress)?;
+    Ok((reading, choices))
 }
 
 /// What is known of a record, without a gas of which nothing is made.
@@ -102,6 +138,17 @@ fn choose(
     prefer_white(source, reading, choices, &rival, &mut observed(progress, "looking at residuals", rows, &mut |_| {}))
 }
 
+/// Residuals that choices leave, output by output.
+fn left_by(
+    source: &mut dyn RecordSource,
+    reading: &SymbolReading,
+    choices: &[Choice],
+) -> Result<Vec<Residuals>, RecordError> {
+    let fitted: Vec<FittedOutput> =
+        choices.iter().enumerate().map(|(output, choice)| choice.fitted(reading, output)).collect();
+    ResidualPass::of(source, GasSource::Constant(0.0), &fitted, &mut |_| {}).map(|pass| pass.residuals)
+}
+
 /// Other choices where the record calls for them: of a drift, or an average.
 fn reconsider(
     source: &mut dyn RecordSource,
@@ -109,12 +156,7 @@ fn reconsider(
     options: &IdentifyOptions,
     choices: &mut [Choice],
 ) -> Result<(), RecordError> {
-    let mut left_by = |choices: &[Choice]| {
-        let fitted: Vec<FittedOutput> =
-            choices.iter().enumerate().map(|(output, choice)| choice.fitted(reading, output)).collect();
-        ResidualPass::of(source, GasSource::Constant(0.0), &fitted, &mut |_| {}).map(|pass| pass.residuals)
-    };
-    let left = left_by(choices)?;
+    let left = left_by(source, reading, choices)?;
     let mut others = choices.to_vec();
     for (output, left) in left.iter().enumerate() {
         let candidates = CandidateSet { reading, options, output };
@@ -123,7 +165,7 @@ fn reconsider(
         }
     }
     if others.iter().any(Choice::is_average) {
-        let after = left_by(&others)?;
+        let after = left_by(source, reading, &others)?;
         for ((other, choice), (after, before)) in others.iter_mut().zip(&*choices).zip(after.iter().zip(&left)) {
             if other.is_average() && after.rms() > COARSER * before.rms() {
                 *other = choice.clone();

@@ -144,6 +144,7 @@ impl SymbolPlan {
             // A filter needs the decays at its poles, whatever the record began with.
             initial_rad_s: if may_begin { mesh.all_rad_s() } else { mesh.poles_rad_s.clone() },
             outputs,
+            from_rest: path.from_rest,
         };
         let designs = meshes.iter().map(design).collect();
         Ok(Self { survey, classes, path, meshes, designs, parts })

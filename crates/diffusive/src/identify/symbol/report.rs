@@ -34,11 +34,13 @@ impl SymbolResult<'_> {
         // A drift's offset is none that stands.
         let stands = |choice: &Choice| choice.drift.as_ref().is_none_or(|drift| drift.filter.is_none());
         let places = (0..outputs.len()).filter(|&output| stands(&self.choices[output]));
+        let quiet = &passed.facts.quiet_start;
+        let at_rest = |output: usize| self.choices[output].trial.initial_state != InitialState::Free;
         let contradicted: Vec<String> =
-            places.filter_map(|output| passed.facts.quiet_start.held_against(output, &mut outputs[output])).collect();
+            places.filter_map(|output| quiet.held_against(output, at_rest(output), &mut outputs[output])).collect();
         let (pairs, ambient) = (self.pairs(), self.ambient());
-        let warnings = self.warnings(tie_warning, &pairs);
-        let reasons = path.reason.clone().into_iter().chain(tie_reason).chain(contradicted).collect();
+        let warnings = [contradicted, self.warnings(tie_warning, &pairs)].concat();
+        let reasons = path.reason.clone().into_iter().chain(tie_reason).collect();
         let is_white = is_white(&self.residuals.residuals[0]);
         Model {
             pairs,
@@ -63,15 +65,8 @@ impl SymbolResult<'_> {
                 false => outcome::warnings(output, score, gains, pairs, survey, facts),
             });
         }
-        for (name, residuals) in survey.outputs.iter().zip(&self.residuals.residuals) {
-            if let Some((row, part)) = residuals.lonely_row() {
-                warnings.push(format!(
-                    "`{name}`: row {} alone makes {:.0} % of all squared residuals: a reading that went wrong? correct it, or cut the record there",
-                    row + plan.path.delay as u64,
-                    100.0 * part
-                ));
-            }
-        }
+        let readings = survey.outputs.iter().zip(&self.residuals.residuals);
+        warnings.extend(readings.flat_map(|(name, residuals)| support::doubtful(name, residuals)));
         warnings
     }
 
@@ -89,7 +84,7 @@ impl SymbolResult<'_> {
                     class.se_steady_gain_k_per_w = libm::hypot(class.se_steady_gain_k_per_w, spread);
                     classes.insert(labels[part.class].clone(), class);
                 }
-                pairs.push(Pair {
+                let mut pair = Pair {
                     input: name.clone(),
                     output: survey.outputs[output].clone(),
                     mesh_rad_s,
@@ -97,7 +92,13 @@ impl SymbolResult<'_> {
                     dead_time_samples: path.delay,
                     non_negative: self.is_held(choice, input),
                     classes,
-                });
+                };
+                let unresolved = |class| outcome::unresolved_k_per_w(&pair, class, survey.longest_s());
+                let unresolved: Vec<f64> = pair.classes.values().map(unresolved).collect();
+                for (class, unresolved) in pair.classes.values_mut().zip(unresolved) {
+                    class.se_steady_gain_k_per_w = libm::hypot(class.se_steady_gain_k_per_w, unresolved);
+                }
+                pairs.push(pair);
             }
         }
         pairs

@@ -102,6 +102,48 @@ fn a_missing_input_that_stood_follows_from_the_rows_beside_it() {
 }
 
 #[test]
+fn a_missing_row_of_an_input_that_stood_is_one_without_output() {
+    let without = |missing: &'static [usize]| {
+        let row = |n: usize| {
+            let [t, _, y] = plain(n);
+            Some([t, (n / 10 % 3 / 2).to_string(), y]).filter(|_| !missing.contains(&n))
+        };
+        of(&table(row))
+    };
+    let (survey, begins, all) = without(&[23, 24, 61]);
+    assert_eq!((begins, all.len(), all.inputs[0][24]), (vec![0.0], 100, 1.0));
+    assert_eq!(all.missing, [23, 24, 61]);
+    assert_eq!(
+        survey.notes[1],
+        "3 rows missing in time, 1 s apart, in which inputs stand: they follow from those beside"
+    );
+    // The input moves there, or eleven rows are missing.
+    assert_eq!(without(&[19, 20]).1, [0.0, 42.0]);
+    assert_eq!(without(&[30, 31, 32, 33, 34, 35, 36, 37, 38, 39, 40]).1, [0.0, 82.0]);
+}
+
+#[test]
+fn rows_keep_the_numbers_of_their_file_behind_one_that_is_missing() {
+    let row = |n: usize| {
+        let [t, _, y] = plain(n);
+        Some([t, (n / 10 % 3 / 2).to_string(), if n == 50 { "inf".to_owned() } else { y }]).filter(|_| n != 23)
+    };
+    let file = file("r.csv", &table(row));
+    let refused = segments(std::slice::from_ref(&file.path)).unwrap_err();
+    assert!(refused.contains("row 50"), "{refused}");
+}
+
+#[test]
+fn a_marker_of_a_logger_is_a_missing_value() {
+    let (survey, begins, all) = of(&table(|n| {
+        let [t, u, y] = plain(n);
+        Some([t, u, if [40, 41].contains(&n) { "-9999".to_owned() } else { y }])
+    }));
+    assert_eq!((begins, all.len(), all.missing), (vec![0.0], 100, vec![40, 41]));
+    assert!(survey.notes.iter().any(|note| note == "`y` is -9999 or 9.9e37 in 2 rows: taken for missing"));
+}
+
+#[test]
 fn a_file_is_no_second_measurement_of_itself() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("day.csv");
