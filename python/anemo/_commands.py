@@ -23,8 +23,6 @@ def identify(
     reference: Number = None,
     order: Number = None,
     mesh: Number = None,
-    cross_order: Number = None,
-    cross_mesh: Number = None,
     ridge: Number = None,
     non_negative: Number = None,
     initial_state: Number = None,
@@ -94,12 +92,6 @@ def identify(
         Number of rates, 100 at most
     mesh
         Edges of the logarithmic grid of rates (diffusive mesh), rad/s
-    cross_order
-        Number of rates of cross-heating pairs: input i and output i are of one element
-        (self-heating)
-    cross_mesh
-        Edges of the grid of cross-heating pairs, rad/s; by default number and edges are those of
-        the others
     ridge
         Ridge on columns of unit norm; 0 for plain least squares
     non_negative
@@ -164,8 +156,6 @@ def identify(
             "--reference": reference,
             "--order": order,
             "--mesh": mesh,
-            "--cross-order": cross_order,
-            "--cross-mesh": cross_mesh,
             "--ridge": ridge,
             "--non-negative": non_negative,
             "--initial-state": initial_state,
