@@ -85,15 +85,26 @@ pub fn element_of(column: &str) -> Option<&str> {
 }
 
 /// The unit that a column's name states: that of a recording's temperatures and powers, of an
-/// element or not (`power_w`, `temperature_c_probe`), or one in brackets at the end, as loggers
-/// write it (`Heater [mW]`, `T1 (°C)`).
+/// element or not (`power_w`, `temperature_c_probe`), one in brackets at the end, as loggers
+/// write it (`Heater [mW]`, `T1 (°C)`), or one of power or temperature after the last `_` or `/`
+/// (`power_mw`, `P/mW`, `T_degC`).
 pub fn stated_unit(column: &str) -> Option<&str> {
     for (quantity, unit) in [(TEMPERATURE, "°C"), (POWER, "W"), (EQUIVALENT_POWER, "W"), (UNKNOWN_HEAT, "W")] {
         if column.starts_with(quantity) || quantity.strip_suffix('_') == Some(column) {
             return Some(unit);
         }
     }
-    let (_, unit) = column.strip_suffix([')', ']'])?.rsplit_once(['(', '['])?;
+    let Some(bracketed) = column.strip_suffix([')', ']']) else {
+        return match column.rsplit_once(['_', '/'])?.1 {
+            "W" => Some("W"),
+            "mw" | "mW" => Some("mW"),
+            "uw" | "uW" | "µW" => Some("µW"),
+            "kw" | "kW" => Some("kW"),
+            "degc" | "degC" | "°C" => Some("°C"),
+            _ => None,
+        };
+    };
+    let (_, unit) = bracketed.rsplit_once(['(', '['])?;
     match unit.trim() {
         "C" | "degC" | "deg C" => Some("°C"),
         unit => Some(unit).filter(|unit| !unit.is_empty() && unit.chars().count() <= MOST_UNIT),

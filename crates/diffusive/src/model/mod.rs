@@ -35,7 +35,7 @@ pub mod testing;
 pub use conditions::{Conditions, SAME_PRESSURE, SAME_TEMPERATURE_K};
 pub use content::*;
 pub use forward::Forward;
-pub use gain_unit::{gain_unit, rise_unit};
+pub use gain_unit::{gain_unit, refuse_other_units, rise_unit};
 pub use losses::PlacedLoss;
 pub use pair_class::PairClass;
 

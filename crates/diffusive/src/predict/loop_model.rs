@@ -9,7 +9,7 @@
 use super::secular;
 use super::sliding_surface::{SlidingSurface, feed_through};
 use crate::model::pair_class::{PairClass, name};
-use crate::model::{Model, ModelError, ModelGas, ModelWind, SAME_TEMPERATURE_K};
+use crate::model::{Model, ModelError, ModelGas, ModelWind, SAME_TEMPERATURE_K, refuse_other_units};
 
 const ABSOLUTE_ZERO_C: f64 = -273.15;
 
@@ -46,6 +46,7 @@ impl LoopModel {
     }
 
     fn build(part: &PairClass<'_>, gas_c: Option<f64>) -> Result<Self, ModelError> {
+        refuse_other_units(part.model)?;
         let class = part.class;
         refuse_if!(class.feed_through_k_per_w != 0.0, feed_through(class.feed_through_k_per_w));
         let structure = SlidingSurface::new(&part.pair.mesh_rad_s, &class.r_k_per_w)?;

@@ -29,7 +29,7 @@ use super::exponential::exponential;
 use super::loop_model::{followed_k, gas_temperature_c};
 use super::sliding_surface::{feed_through, no_surface};
 use crate::model::pair_class::{element, name, unseen};
-use crate::model::{Model, ModelError, ModelOutput, PlacedLoss, Structure};
+use crate::model::{Model, ModelError, ModelOutput, PlacedLoss, Structure, refuse_other_units};
 
 /// Masks of held elements have so many bits.
 const MOST_ELEMENTS: usize = usize::BITS as usize;
@@ -93,6 +93,7 @@ impl System {
     /// # Errors
     /// What this model has that cannot be predicted.
     pub fn new(model: &Model, gas_c: Option<f64>) -> Result<Self, ModelError> {
+        refuse_other_units(model)?;
         let elements = model.inputs.len();
         refuse_if!(
             elements > MOST_ELEMENTS,

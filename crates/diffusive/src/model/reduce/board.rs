@@ -5,9 +5,9 @@ use std::fmt::Write as _;
 
 use dr_core::model::ORDER;
 
-use crate::model::ModelError;
 use crate::model::content::Model;
 use crate::model::pair_class::{PairClass, element};
+use crate::model::{ModelError, refuse_other_units};
 
 /// Rates and resistances padded to the board's order: further rates, each twice the one before,
 /// that weigh nothing.
@@ -38,6 +38,7 @@ pub fn padded(rates_rad_s: &[f64], r_k_per_w: &[f64]) -> Result<([f32; ORDER], [
 /// # Errors
 /// If a pair is no model for the board, or none is self-heating.
 pub fn toml(model: &Model, label: &str) -> Result<String, ModelError> {
+    refuse_other_units(model)?;
     let records = model.provenance.records.join(", ");
     let mut text = format!(
         "# T = reference_c + sum of r_k_per_w[k] x_k,  dx_k/dt = mesh_rad_s[k] (power - x_k). Identified from {records}, reduced by anemo.\n\n\
