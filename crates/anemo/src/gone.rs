@@ -26,6 +26,12 @@ const GONE: [(&str, &str); 8] = [
     ("study", "a program of the checkout does this: cargo run --release -p studies -- benchmark"),
 ];
 
+/// An option that is gone, and what to do now.
+const GONE_OPTIONS: [(&str, &str); 2] = [
+    ("--cross-order", "cross-heating has the rates of all pairs: --order K"),
+    ("--cross-mesh", "cross-heating has the rates of all pairs: --mesh FIRST:LAST"),
+];
+
 /// Long option of files until `--output` meant columns everywhere.
 const OLD_FILE_OPTION: &str = "--output";
 
@@ -48,6 +54,11 @@ pub fn refusal(command: &clap::Command, words: &[String]) -> Option<Failure> {
     for word in words {
         let Some(found) = leaf.find_subcommand(word) else { break };
         leaf = found;
+    }
+    if let Some((old, now)) =
+        GONE_OPTIONS.iter().find(|(old, _)| words.iter().any(|word| word.split('=').next() == Some(old)))
+    {
+        return Some(Failure::usage(format!("`{old}` is gone; {now}")));
     }
     let has = |long: &str| leaf.get_arguments().any(|argument| argument.get_long() == Some(long));
     let names_old = |word: &String| word == OLD_FILE_OPTION || word.starts_with("--output=");
@@ -96,6 +107,8 @@ mod tests {
     fn a_command_that_is_gone_is_answered_with_what_does_its_work() {
         assert!(answer("thesis rems-dice").unwrap().ends_with("cargo run --release -p studies -- thesis"));
         assert!(answer("gram a.parquet").unwrap().contains("anemo identify part-*.parquet"));
+        assert!(answer("identify a.csv --cross-mesh 1:2").unwrap().ends_with("--mesh FIRST:LAST"));
+        assert!(answer("identify a.csv --cross-order=3").unwrap().ends_with("--order K"));
     }
 
     #[test]

@@ -136,6 +136,7 @@ fn judged(mut model: Model, survey: &Survey, options: &IdentifyOptions) -> Resul
     model.chosen.reasons.extend(validate_options::pairing(survey, options));
     let mut against = validate_options::warnings(survey, options);
     against.extend(support::unexplained(&model, survey)?);
+    against.extend(support::cooled(&model));
     against.extend(support::disturbed(&model));
     model.supported &= against.is_empty();
     model.warnings.extend(against);

@@ -7,9 +7,10 @@ use super::pass::Facts;
 use super::record::{RecordError, Survey};
 use super::residuals::Residuals;
 use super::stuck::StuckRun;
+use recording::stated_unit;
 use recording::text::short;
 
-use crate::model::{Class, Model, ModelOutput};
+use crate::model::{Class, Model, ModelOutput, rise_unit};
 
 /// Column values beyond it have squares, and sums of squares, that are no longer numbers.
 const GREATEST: f64 = 1e100;
@@ -153,6 +154,24 @@ fn why_nothing(model: &Model, output: &ModelOutput) -> Option<String> {
             output.fit_percent
         )
     })
+}
+
+/// Elements that their own power cools, beyond any chance. Only where columns state power and
+/// temperature: other pairs may have any sign.
+pub fn cooled(model: &Model) -> Vec<String> {
+    let of = |(input, output): (&String, &ModelOutput)| {
+        let stated = stated_unit(input)?.ends_with('W') && rise_unit(&output.name)? == "K";
+        let pair = model.pairs.iter().find(|pair| pair.input == *input && pair.output == output.name)?;
+        let falls =
+            |class: &Class| class.steady_gain_k_per_w < -4.0 * output.inflation() * class.se_steady_gain_k_per_w;
+        (stated && pair.classes.values().any(falls)).then(|| {
+            format!(
+                "`{}`: more of `{input}` makes it colder: is the sign of the power wrong, or are columns swapped?",
+                output.name
+            )
+        })
+    };
+    model.inputs.iter().zip(&model.outputs).filter_map(of).collect()
 }
 
 /// Share of the output below which its inputs explain too little of it, %.

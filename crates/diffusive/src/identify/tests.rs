@@ -154,3 +154,27 @@ fn readings_that_are_clipped_are_said() {
     assert!(model.warnings.iter().any(|warning| warning.contains("the reading is clipped")), "{:?}", model.warnings);
     assert!(!model.supported);
 }
+
+#[test]
+fn a_heater_that_cools_is_not_believed() {
+    let power_w = bits(3000, 20, 7);
+    for (sign, names, is_said) in [
+        (-1.0, ["power_w", "temperature_c"], true),
+        (-1.0, ["Heater (mW)", "T1 [°C]"], true),
+        (1.0, ["power_w", "temperature_c"], false),
+        (-1.0, ["valve", "level"], false),
+    ] {
+        let (mut rise_k, mut draw) = (0.0, random(8));
+        let read_c = power_w.iter().map(|power_w| {
+            let now_c = OFFSET_C + rise_k + 0.01 * draw();
+            rise_k += mesh::gain(1.0 / 40.0, PERIOD_S) * (20.0 * power_w - rise_k);
+            now_c
+        });
+        let output = (names[1].to_owned(), read_c.collect());
+        let input = (names[0].to_owned(), power_w.iter().map(|power_w| sign * power_w).collect());
+        let table = RecordTable::new(PERIOD_S, vec![input], vec![output]).unwrap();
+        let model = of(table, IdentifyOptions::default()).unwrap();
+        let said = model.warnings.iter().any(|warning| warning.contains("makes it colder"));
+        assert_eq!((said, model.supported), (is_said, !is_said), "{names:?}: {:?}", model.warnings);
+    }
+}
