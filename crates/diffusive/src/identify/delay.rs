@@ -36,22 +36,19 @@ pub struct PathDecision {
 }
 
 impl PathDecision {
-    /// Plainer paths than one that nobody asked for: with neither, and a sample less of dead time in
-    /// place of an answer at once.
-    pub fn plainer(&self, given: &Constraints) -> Vec<Self> {
-        let asked = (given.delay.unwrap_or(0), given.feed_through.unwrap_or(false));
-        if (self.delay, self.feed_through) == asked {
-            return Vec::new();
-        }
-        let is_late = self.feed_through && self.delay > 1 && given.delay.is_none() && given.feed_through.is_none();
-        let late = is_late.then(|| (self.delay - 1, false));
-        let of = |(delay, feed_through): (usize, bool)| {
-            let with = if feed_through { "with" } else { "no" };
-            let reason =
-                format!("dead time {delay} samples, {with} feed-through: no other path is better by more than chance");
-            Self { delay, feed_through, from_rest: self.from_rest, reason: Some(reason) }
-        };
-        [Some(asked), late].into_iter().flatten().map(of).collect()
+    /// The path with neither, where another was found that nobody asked for.
+    pub fn plain(&self, given: &Constraints) -> Option<Self> {
+        let (delay, feed_through) = (given.delay.unwrap_or(0), given.feed_through.unwrap_or(false));
+        let is_plain = (self.delay, self.feed_through) == (delay, feed_through);
+        let with = if feed_through { "with" } else { "no" };
+        (!is_plain).then(|| Self {
+            delay,
+            feed_through,
+            from_rest: self.from_rest,
+            reason: Some(format!(
+                "dead time {delay} samples, {with} feed-through: no other path is better by more than chance"
+            )),
+        })
     }
 }
 

@@ -12,7 +12,7 @@ mod tests;
 
 use super::candidates::MeshPart;
 use super::choose::{CandidateSet, Choice};
-use super::delay;
+use super::delay::{self, PathDecision};
 use super::design::GasSource;
 use super::fitted::FittedOutput;
 use super::folds::change;
@@ -48,12 +48,17 @@ pub fn identify(
 ) -> Result<Model, RecordError> {
     let (survey, classes) = (asked_of(source.survey(), options), labels(source, progress)?);
     let path = delay::decide(source, &options.constraints)?;
-    let plainer = path.plainer(&options.constraints);
-    let first = SymbolPlan::of(survey.clone(), classes.clone(), path, options)?;
-    let (mut reading, mut choices) = read(first, source, options, progress)?;
-    for path in plainer {
+    let plain = path.plain(&options.constraints);
+    let mut on = |path: PathDecision| {
         let plan = SymbolPlan::of(survey.clone(), classes.clone(), path, options)?;
-        let (other, others) = read(plan, source, options, progress)?;
+        let reading = plan.read(source, options, progress)?;
+        progress("choosing", 0, 1);
+        let choices = decided(source, &reading, options, progress)?;
+        Ok::<_, RecordError>((reading, choices))
+    };
+    let (mut reading, mut choices) = on(path)?;
+    if let Some(plain) = plain {
+        let (other, others) = on(plain)?;
         let (after, before) = (left_by(source, &other, &others)?, left_by(source, &reading, &choices)?);
         // White residuals are proof that nothing is missing, but for the signs of a body. Those that
         // any initial state allows for are no sign of it.
@@ -66,7 +71,6 @@ pub fn identify(
         };
         if (0..others.len()).all(is_as_good) {
             (reading, choices) = (other, others);
-            break;
         }
     }
     if options.asks_for_an_initial_state() {
@@ -89,19 +93,6 @@ pub fn identify(
     let residuals = ResidualPass::of(source, GasSource::Constant(0.0), &fitted, &mut row)?;
     let result = SymbolResult { reading: &reading, choices: &choices, fitted: &fitted, residuals };
     Ok(result.model(&options.constraints, tie_reason, tie_warning))
-}
-
-/// One reading for a plan, and the choices on its sums.
-fn read(
-    plan: SymbolPlan,
-    source: &mut dyn RecordSource,
-    options: &IdentifyOptions,
-    progress: &mut Progress<'_>,
-) -> Result<(SymbolReading, Vec<Choice>), RecordError> {
-    let reading = plan.read(source, options, progress)?;
-    progress("choosing", 0, 1);
-    let choices = decided(source, &reading, options, progress)?;
-    Ok((reading, choices))
 }
 
 /// What is known of a record, without a gas of which nothing is made.
