@@ -94,6 +94,10 @@ pub fn warnings(
 ) -> Vec<String> {
     let (name, spread, duration_s) = (&survey.outputs[output], facts.outputs[output].sd(), survey.longest_s());
     let mut warnings = Vec::new();
+    // A ramp hides in any drift; a jump shows what it is, if nothing else is left over.
+    if facts.moves() == 0 && facts.travel() > 0.0 {
+        warnings.extend(one_way(name, facts));
+    }
     let error = score.overall().sqrt();
     if spread > 0.0 && error >= spread {
         warnings.push(format!(
@@ -168,12 +172,16 @@ pub fn average_warnings(output: usize, score: &Score, survey: &Survey, facts: &F
             short(spread, 2)
         ));
     }
-    if facts.travel() < BACK {
-        warnings.push(format!(
-            "`{name}`: the inputs go one way only, as a step or a ramp, which does not tell a slow body from a drift of its surroundings; record with an input that comes back, and often"
-        ));
-    }
+    warnings.extend(one_way(name, facts));
     warnings
+}
+
+fn one_way(name: &str, facts: &Facts) -> Option<String> {
+    (facts.travel() < BACK).then(|| {
+        format!(
+            "`{name}`: the inputs go one way only, as a step or a ramp, which does not tell a slow body from a drift of its surroundings; record with an input that comes back, and often"
+        )
+    })
 }
 
 /// A value to the second digit of its standard error.

@@ -134,6 +134,12 @@ fn why_nothing(model: &Model, output: &ModelOutput) -> Option<String> {
     let values = classes().flat_map(|class| class.r_k_per_w.iter().chain([&class.feed_through_k_per_w]));
     let parameters = values.filter(|value| **value != 0.0).count() as f64;
     let ask = "are these the right columns, and was the element heated?";
+    if output.spread_rms == Some(0.0) {
+        return Some(format!(
+            "`{name}` is {} in all rows: the output does not answer; is it the right column, and is the sensor connected?",
+            output.offset_c
+        ));
+    }
     if parameters == 0.0 {
         return Some(format!("`{name}`: no input explains any of it, and all resistances are zero: {ask}"));
     }
