@@ -72,11 +72,11 @@ fn missing_rows(rows: &RawRows, inputs: &[usize]) -> Vec<(usize, usize)> {
     times.windows(2).enumerate().filter_map(of).collect()
 }
 
-/// Inserts the rows that follow; `inputs` are slots of columns.
-pub(super) fn insert_rows(rows: &mut RawRows, inputs: &[usize]) {
+/// Inserts the rows that follow, and returns how many gaps they fill; `inputs` are slots of columns.
+pub(super) fn insert_rows(rows: &mut RawRows, inputs: &[usize]) -> u64 {
     let missing = missing_rows(rows, inputs);
     if missing.is_empty() {
-        return;
+        return 0;
     }
     let mut gaps = missing.iter().peekable();
     // Each row by the one that it is, or follows.
@@ -110,6 +110,7 @@ pub(super) fn insert_rows(rows: &mut RawRows, inputs: &[usize]) {
             }
         }
     }
+    missing.len() as u64
 }
 
 /// How a column's missing values follow.

@@ -47,7 +47,7 @@ pub(super) struct RecordFiles {
     period_s: Option<f64>,
     event: Option<usize>,
     inputs: Vec<usize>,
-    /// Whether rows that are missing may be inserted: not where a gas that is an output would lack.
+    /// Missing rows may be inserted: not where a gas that is an output would lack.
     may_insert: bool,
     /// Columns whose missing values may be filled, and how many were.
     bridged: Vec<(usize, BridgedColumn)>,
@@ -217,12 +217,9 @@ impl RecordFiles {
             }
             let inputs: Vec<usize> = self.inputs.iter().map(|&input| self.slot(input)).collect();
             if self.may_insert {
-                insert_rows(&mut rows, &inputs);
+                self.bridged_gaps += insert_rows(&mut rows, &inputs);
             }
             self.inserted += rows.inserted.len() as u64;
-            let begins_gap = |pair: &[usize]| pair[1] != pair[0] + 1;
-            self.bridged_gaps += u64::from(!rows.inserted.is_empty());
-            self.bridged_gaps += rows.inserted.windows(2).filter(|pair| begins_gap(pair)).count() as u64;
             for at in 0..self.bridged.len() {
                 let (column, how) = self.bridged[at];
                 if let ColumnValues::Numbers(values) = &mut rows.columns[self.slot(column)] {
