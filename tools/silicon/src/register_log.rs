@@ -19,7 +19,7 @@ thread_local! {
     static LOG: RefCell<RegisterLog> = RefCell::default();
 }
 
-/// What was done with a register.
+/// One use of a register.
 #[derive(Default)]
 struct RegisterUse {
     read: bool,

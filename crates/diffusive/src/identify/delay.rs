@@ -29,7 +29,7 @@ const LONGER: [usize; 10] = [64, 96, 128, 192, 256, 384, 512, 768, 1024, 2048];
 pub struct PathDecision {
     pub delay: usize,
     pub feed_through: bool,
-    /// Whether nothing heated before the record; else its first power was held.
+    /// Nothing heated before the record; else its first power was held.
     pub from_rest: bool,
     /// `None` if nothing was to be decided.
     pub reason: Option<String>,

@@ -56,7 +56,7 @@ pub struct RegressionDesign {
     /// Rates of the decays that the record may have begun with.
     pub initial_rad_s: Vec<f64>,
     pub outputs: usize,
-    /// Whether nothing drove the banks before the record; else its first drives were held before.
+    /// Nothing drove the banks before the record; else its first drives were held before.
     pub from_rest: bool,
 }
 

@@ -110,7 +110,7 @@ impl Facts {
         self.moves.iter().enumerate().map(of).fold(0.0, f64::max)
     }
 
-    /// Whether an input heats at one level only: up or down once, or once each. Values at two levels
+    /// Tells whether an input heats at one level only: up or down once, or once each. Values at two levels
     /// have the greatest variance that their range and mean allow (Bhatia and Davis 2000).
     pub fn is_of_one_level(&self, input: usize) -> bool {
         let ([least, most], (sum, _)) = (self.input_range(input), self.input_sums(input));

@@ -60,7 +60,7 @@ struct BankSignal {
     first_gas_c: Option<f64>,
     /// Drives that have not arrived yet, oldest at `next`.
     late: Vec<f64>,
-    /// Whether the next drive was held before, as none is known.
+    /// The next drive was held before, as none is known.
     is_held: bool,
     next: usize,
     /// Subtracted from an output, as it is from its column.

@@ -15,9 +15,9 @@ pub struct StuckRun {
     /// Its first row, counted from 1, and all rows of runs of that value.
     pub first_row: u64,
     pub rows: u64,
-    /// How far the model moves in the run in which it moves most.
+    /// Motion of the model in the run in which it moves most.
     pub moved: f64,
-    /// Whether the value is the least or the greatest of all.
+    /// The value is the least or the greatest of all.
     pub is_extreme: bool,
 }
 

@@ -25,7 +25,7 @@ const FORCED: u32 = 1 << 30;
 pub(super) const FAULTS: u32 = 0xe000_ed28;
 pub(super) const FAULTS_END: u32 = 0xe000_ed3c;
 
-/// What the core wanted of an address.
+/// Access that the core wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
     /// A load.
@@ -38,7 +38,7 @@ pub enum Purpose {
     Frame,
 }
 
-/// What went wrong.
+/// Cause of a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
     /// An address was refused, by protection or bus.

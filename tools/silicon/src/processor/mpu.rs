@@ -85,7 +85,7 @@ impl Mpu {
         MemoryRights { read, write, execute: read && region.attributes >> 28 & 1 == 0 }
     }
 
-    /// Whether it protects in the handlers of NMI and hard fault, too.
+    /// Protects in the handlers of NMI and hard fault, too.
     pub const fn protects_faults(&self) -> bool {
         self.control & PROTECTS_FAULTS != 0
     }

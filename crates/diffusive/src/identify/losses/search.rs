@@ -41,7 +41,7 @@ pub struct FoundLoss {
     pub greatest_rise_k: f64,
     /// Cross-validated without and with all losses.
     pub scores: [Score; 2],
-    /// Whether the input heats at one level and by one step: a linear body answers so, too.
+    /// Tells whether the input heats at one level and by one step: a linear body answers so, too.
     pub is_of_one_level: bool,
 }
 

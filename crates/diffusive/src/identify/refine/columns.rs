@@ -34,7 +34,7 @@ pub struct RefinedBank {
     pub non_negative: bool,
 }
 
-/// How an input reaches an output.
+/// The way of an input to an output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Path {
     /// Dead time in samples.
@@ -51,7 +51,7 @@ pub struct Setup {
     pub feed_through: bool,
     /// `None` until the first reading has shown which.
     pub initial_state: Option<InitialState>,
-    /// Whether nothing heated before the record.
+    /// Nothing heated before the record.
     pub from_rest: bool,
     /// Whether the design has initial decays.
     pub initial: bool,

@@ -15,7 +15,7 @@ use crate::model::ModelOutput;
 /// One output's poles.
 pub struct FreePoles {
     pub search: RateSearch,
-    /// Whether other paths were tried.
+    /// Other paths were tried.
     pub is_reopened: bool,
     pub point: Point,
     pub score: Score,
