@@ -14,7 +14,7 @@ use diffusive::identify::{Constraints, IdentifyOptions, identify};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let file = std::env::args().nth(1).unwrap_or_else(|| "examples/heater.csv".to_owned());
-    // Which column is what follows from their order; `Selection` names them otherwise.
+    // The order of the columns says which is what; `Selection` names them otherwise.
     let mut record = RecordStream::open(Path::new(&file), &Selection::default())?;
 
     // A heater without dead time or direct path, as three rates; all else is chosen.

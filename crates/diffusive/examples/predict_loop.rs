@@ -1,4 +1,4 @@
-//! What a constant-temperature loop (CTA) will do, from a model that was identified open loop.
+//! Forecast of a constant-temperature loop (CTA), from a model that was identified open loop.
 //!
 //! The analysis of the loop first, then an experiment tick by tick: a film held 20 K above the gas
 //! while a gust comes and goes.

@@ -18,7 +18,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// How the damping moves.
+/// Rule by which the damping moves.
 #[derive(Debug, Clone, Copy)]
 pub struct DampingRule {
     /// Damping of the first step.

@@ -1,11 +1,11 @@
-//! Which set-point, and between which levels: low below and high above the power of every wind.
+//! Set-point and levels: low below and high above the power of every wind.
 
 use super::Requirements;
 use crate::model::ModelError;
 use crate::predict::loop_model::LoopModel;
 use crate::predict::reaching::reaching_time_s;
 
-/// How far the levels that are recommended lie beyond the powers that a change needs.
+/// Distance by which the levels that are recommended lie beyond the powers that a change needs.
 pub const BEYOND_BELOW: f64 = 0.95;
 pub const BEYOND_ABOVE: f64 = 1.05;
 

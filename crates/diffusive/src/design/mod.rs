@@ -41,7 +41,7 @@ pub struct Requirements {
     pub power_low_w: Option<f64>,
     /// High level that is given, W.
     pub power_high_w: Option<f64>,
-    /// How far the levels shall stay from u_Q, as a share of it: between 0 and 1.
+    /// Distance of the levels from u_Q, as a share of it: between 0 and 1.
     pub margin: f64,
     /// Swing of the temperature that is allowed, from peak to peak, K.
     pub ripple_k: f64,

@@ -1,5 +1,5 @@
-//! How often the loop must look: the longest period at which the temperature swings by no more than
-//! is allowed.
+//! Interval at which the loop must look: the longest period at which the temperature swings by no
+//! more than is allowed.
 //!
 //! The swing from peak to peak is S (P_high − P_low) with S = Σ R_k (1 − e^(−ξ_k Ts)), about Γ
 //! (P_high − P_low) Ts ([`chatter`](crate::predict::chatter)). It grows with Ts, so that periods of

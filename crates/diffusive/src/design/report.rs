@@ -7,7 +7,7 @@ use serde::{Serialize, Serializer};
 
 use super::trial::LoopTrial;
 
-/// What one wind needs of the recommended loop, and what a trial of it gave.
+/// Needs of one wind from the recommended loop, and what a trial of it gave.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DesignInWind {
     /// Label of the wind.
@@ -21,7 +21,7 @@ pub struct DesignInWind {
     pub reaching_time_s: f64,
     /// Bound of the swing from peak to peak, K.
     pub chatter_k: f64,
-    /// What the trial gave.
+    /// Result of the trial.
     pub trial: LoopTrial,
 }
 
@@ -61,11 +61,11 @@ pub struct DesignReport {
     /// The loop.
     #[serde(flatten)]
     pub design: LoopDesign,
-    /// What a reader must know.
+    /// Notes for the reader.
     pub notes: Vec<String>,
 }
 
-/// As a map by label.
+/// Serialises as a map by label.
 fn by_label<S: Serializer>(winds: &[DesignInWind], serializer: S) -> Result<S::Ok, S::Error> {
     winds.iter().map(|wind| (&wind.label, wind)).collect::<BTreeMap<_, _>>().serialize(serializer)
 }

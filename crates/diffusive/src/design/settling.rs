@@ -1,4 +1,4 @@
-//! How soon the power shows a change of the wind: between given levels, and at best.
+//! Time after which the power shows a change of the wind: between given levels, and at best.
 
 use super::levels::{BEYOND_ABOVE, BEYOND_BELOW};
 use crate::model::ModelError;
@@ -97,7 +97,7 @@ pub fn settling_s(
     Ok(Some(between_s))
 }
 
-/// Which levels would be out of the way of a change, in words, and those levels in W, none below
+/// Levels that would be out of the way of a change, in words, and those levels in W, none below
 /// zero.
 fn lacking(change: &WindChange, (low_w, high_w): (f64, f64)) -> (Vec<String>, (f64, f64)) {
     let Some([(least_s, least_w), (most_s, most_w)]) = change.extremes_w() else {

@@ -11,14 +11,14 @@ const TICKS: u32 = 50_000;
 /// A trial from rest that takes longer is given up.
 const MOST_TICKS: u32 = 20_000_000;
 
-/// What a trial gave.
+/// Result of a trial.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct LoopTrial {
     /// Until the first reading at or above the set-point, from rest; `None` if that never came.
     pub reaching_time_s: Option<f64>,
     /// Once the states are those of u_Q, W.
     pub mean_power_w: f64,
-    /// Of the readings, from peak to peak, K.
+    /// Swing of the readings, from peak to peak, K.
     pub swing_k: f64,
 }
 

@@ -10,7 +10,7 @@
 //!
 //! A time constant carries weight where relaxations up to it make a twentieth of the steady gain.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use dr_core::signal::prbs::ORDERS;
 use recording::text::brief;
@@ -175,7 +175,9 @@ fn weighty(model: &Model) -> Vec<(&Pair, &Class)> {
 fn time_constants(model: &Model) -> (f64, f64) {
     let (mut slowest_s, mut fastest_s) = (0.0_f64, f64::INFINITY);
     for (pair, class) in weighty(model) {
-        let rates = || pair.mesh_rad_s.iter().zip(&class.r_k_per_w);
+        // Faster rates than a sample tells are heat that arrives within one.
+        let told = pair.mesh_rad_s.partition_point(|rate| *rate <= 1.01 * PI / model.sample_period_s);
+        let rates = || pair.mesh_rad_s[..told].iter().zip(&class.r_k_per_w);
         let weight = WEIGHT * class.steady_gain_k_per_w.abs();
         slowest_s = slowest_s.max(first_of_weight(rates(), weight));
         fastest_s = fastest_s.min(first_of_weight(rates().rev(), weight));

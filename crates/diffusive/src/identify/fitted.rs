@@ -30,6 +30,15 @@ impl FittedOutput<'_> {
         in_columns(self.terms, self.theta, self.design.width())
     }
 
+    /// Rates of a bank that the model has: poles of filters are not among them.
+    pub fn rates_rad_s(&self, bank: usize) -> Vec<f64> {
+        let rate = |term: &ModelTerm| match term.role {
+            Role::Relaxation { bank: own, rate_rad_s, .. } if own == bank => Some(rate_rad_s),
+            _ => None,
+        };
+        self.terms.iter().filter_map(rate).collect()
+    }
+
     /// Offset and figures of its residuals.
     pub fn output(&self, name: &str, residuals: &Residuals) -> ModelOutput {
         let offset = self.terms.iter().position(|term| term.role == Role::Offset).unwrap_or(0);
@@ -64,6 +73,7 @@ impl FittedOutput<'_> {
             se_k_per_w: relaxations.iter().map(|&term| self.se(term)).collect(),
             steady_gain_k_per_w: gain,
             se_steady_gain_k_per_w: variance.sqrt(),
+            interval_95: None,
             feed_through_k_per_w: feed.first().map_or(0.0, |&term| self.theta[term]),
             se_feed_through_k_per_w: feed.first().map_or(0.0, |&term| self.se(term)),
         }

@@ -48,6 +48,7 @@
 //! | [`drift`] | an offset that moves: its kind and size, and sums without it |
 //! | `drifting`, `mixture` | the choice where it moves; averages |
 //! | `folds`, `choose` | block cross-validation, and the choice |
+//! | `evidence` | records whose inputs move seldom: every hypothesis by its marginal likelihood |
 //! | [`symbol`], `conductance` | the two structures: a symbol a class (thesis 2.19), wind as feedback (theory 12) |
 //! | `losses` | losses that grow with temperature, around any of `symbol` and `refine` |
 //! | [`refine`], `tied` | a few free rates in place of a mesh; reciprocal pairs |
@@ -86,6 +87,7 @@ mod choose;
 mod conductance;
 mod delay;
 mod drifting;
+mod evidence;
 mod fitted;
 mod losses;
 mod mixture;
@@ -109,7 +111,8 @@ pub use drift::{DriftGiven, DriftKind};
 pub use options::{Constraints, FitObserver, GasGiven, IdentifyOptions, InitialState, Losses, Progress, Signs};
 pub use residuals::FitRow;
 
-use crate::model::{Model, Structure};
+use crate::model::certainty::{NORMAL_95, steady_gain_error};
+use crate::model::{Class, Model, Pair, Structure};
 use record::{RecordError, RecordSource, Survey};
 
 /// Identifies a record: reads it a few times, reports `progress`, and calls `observer` for every
@@ -125,8 +128,17 @@ pub fn identify(
     observer: &mut FitObserver<'_>,
 ) -> Result<Model, RecordError> {
     validate_options::refuse(source.survey(), options)?;
+    if source.survey().is_uneven {
+        let model = evidence::identify_uneven(source, options, progress, observer)?;
+        return judged(model, source.survey(), options);
+    }
     losses::refuse(source.survey(), options)?;
-    let model = losses::identify(source, options, &linear, progress, observer)?;
+    let mut model = losses::identify(source, options, &linear, progress, observer)?;
+    if model.losses.is_none()
+        && let Some(weighable) = evidence::Weighable::read(source, options)?
+    {
+        model = symbol::identify_weighed(source, options, Some(&weighable), progress, observer)?;
+    }
     judged(model, source.survey(), options)
 }
 
@@ -141,8 +153,22 @@ fn judged(mut model: Model, survey: &Survey, options: &IdentifyOptions) -> Resul
     model.supported &= against.is_empty();
     model.warnings.extend(against);
     model.warnings.extend(support::undrifted(&model, options));
+    state_intervals(&mut model);
     model.advice = advice::advice(&model, survey.longest_s(), options.losses == Losses::Growing);
     Ok(model)
+}
+
+/// States the interval of every steady gain that has none yet, by its standard error.
+fn state_intervals(model: &mut Model) {
+    let of = |(pair, class): (&Pair, &Class)| {
+        let (gain, far) = (class.steady_gain_k_per_w, NORMAL_95 * steady_gain_error(model, pair, class));
+        class.interval_95.or(far.is_finite().then_some([gain - far, gain + far]))
+    };
+    let classes = model.pairs.iter().flat_map(|pair| pair.classes.values().map(move |class| (pair, class)));
+    let mut intervals = classes.map(of).collect::<Vec<_>>().into_iter();
+    for class in model.pairs.iter_mut().flat_map(|pair| pair.classes.values_mut()) {
+        class.interval_95 = intervals.next().flatten();
+    }
 }
 
 /// A model whose losses do not grow with temperature, of the structure that was asked for.

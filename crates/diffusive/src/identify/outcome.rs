@@ -82,11 +82,11 @@ pub fn chosen_by(
     }
 }
 
-/// What cross-validation and standard errors say against the model of output `output`. A pair of
-/// next to no effect is none of it: its gain is known well enough to be next to nothing.
+/// Warnings of cross-validation, where it decided, and of standard errors for output `output`. A
+/// pair of next to no effect is none of it: its gain is known well enough to be next to nothing.
 pub fn warnings(
     output: usize,
-    score: &Score,
+    score: Option<&Score>,
     gain_spread: &[GainSpread],
     pairs: &[Pair],
     survey: &Survey,
@@ -98,8 +98,7 @@ pub fn warnings(
     if facts.moves() == 0 && facts.travel() > 0.0 {
         warnings.extend(one_way(name, facts));
     }
-    let error = score.overall().sqrt();
-    if spread > 0.0 && error >= spread {
+    if let Some(error) = score.map(|score| score.overall().sqrt()).filter(|error| spread > 0.0 && *error >= spread) {
         warnings.push(format!(
             "`{name}`: left-out stretches are predicted no better than by their mean (error {}, spread {}): the inputs do not explain this output, or the record is too short or too disturbed",
             short(error, 3),

@@ -39,7 +39,8 @@ impl Facts {
             tool: format!("anemo {}", env!("CARGO_PKG_VERSION")),
             records: survey.paths.iter().map(|path| path.display().to_string()).collect(),
             rows: self.rows,
-            duration_s: self.rows as f64 * survey.sample_period_s,
+            uneven_times: survey.is_uneven,
+            duration_s: if survey.is_uneven { survey.duration_s() } else { self.rows as f64 * survey.sample_period_s },
             input_range: (0..self.first_inputs.len()).map(|input| self.input_range(input)).collect(),
             conditions: survey.conditions.clone(),
         }

@@ -43,10 +43,10 @@ impl Display for IdentifyReport<'_> {
         let provenance = &model.provenance;
         writeln!(
             f,
-            "{}: {} rows, one each {} s, {} s in all",
+            "{}: {} rows{}, {} s in all",
             provenance.records.join(", "),
             provenance.rows,
-            brief(model.sample_period_s),
+            spacing(model),
             brief(provenance.duration_s)
         )?;
         for note in notes {
@@ -87,6 +87,14 @@ impl Display for IdentifyReport<'_> {
             Some(path) => writeln!(f, "\nmodel written to {}", path.display()),
             None => Ok(()),
         }
+    }
+}
+
+/// How far rows are apart.
+pub fn spacing(model: &Model) -> String {
+    match model.provenance.uneven_times {
+        true => " at uneven times".to_owned(),
+        false => format!(", one each {} s", brief(model.sample_period_s)),
     }
 }
 

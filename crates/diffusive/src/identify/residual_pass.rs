@@ -75,7 +75,8 @@ impl ResidualPass {
             (vec![0.0; inputs], vec![0.0; outputs], vec![f64::NAN; outputs]);
         let (mut drift, mut drift_se) = (vec![0.0; outputs], vec![0.0; outputs]);
         let mut levels: Vec<DriftTracker> = fitted.iter().map(|fitted| DriftTracker::new(fitted, period_s)).collect();
-        let (mut count, mut segment_row, mut segment) = (0, 0, 0);
+        let (mut count, mut segment_row, mut segment) = (0_u64, 0, 0);
+        let mut uneven_s = 0.0;
         // What later segments began with, output by output.
         let starts = match starts_rad_s.is_empty() {
             true => Vec::new(),
@@ -138,12 +139,14 @@ impl ResidualPass {
                 }
                 seen(&FitRow {
                     row: count,
+                    since_s: if block.interval_s.is_empty() { count as f64 * period_s } else { uneven_s },
                     class,
                     measured: &output_row,
                     predicted: &predicted,
                     drift: &drift,
                     drift_se: &drift_se,
                 });
+                uneven_s += block.interval_s.get(at).unwrap_or(&0.0);
                 count += 1;
                 segment_row += 1;
             }

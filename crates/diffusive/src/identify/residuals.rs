@@ -26,6 +26,8 @@ const MOST_OUTLIERS: usize = 8;
 pub struct FitRow<'a> {
     /// Its number, from 0.
     pub row: u64,
+    /// Time since the first row, s.
+    pub since_s: f64,
     /// Which event class it has.
     pub class: usize,
     /// By output.

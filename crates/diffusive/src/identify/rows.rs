@@ -10,6 +10,8 @@
 //!
 //! Every column is such a state: an initial decay has g = 0 and begins with 1, the offset has a = 1
 //! as well. Those that are none (feed-through, outputs) are written over it.
+//!
+//! In an uneven record g follows from each interval: exact, since u is held over it.
 
 use dr_core::model::mesh;
 use pulp::{Simd, WithSimd};
@@ -50,6 +52,7 @@ struct States {
     /// e^(−ξ Ts) and 1 − e^(−ξ Ts)
     keep: Lanes,
     gain: Lanes,
+    rate_rad_s: Lanes,
     x: Lanes,
     drive: [usize; LANES],
 }
@@ -74,17 +77,18 @@ impl RegressionRows {
         let mut remembers = vec![false; width];
         let mut feed_through = Vec::new();
         let mut column = 0;
-        let mut put = |column: usize, keep: f64, gain: f64, x: f64, drive: usize| {
+        let mut put = |column: usize, rate_rad_s: f64, is_driven: bool, x: f64, drive: usize| {
             let (states, lane) = (&mut lanes[column / LANES], column % LANES);
-            states.keep[lane] = keep;
-            states.gain[lane] = gain;
+            let gain = mesh::gain(rate_rad_s, sample_period_s);
+            states.rate_rad_s[lane] = rate_rad_s;
+            states.keep[lane] = 1.0 - gain;
+            states.gain[lane] = if is_driven { gain } else { 0.0 };
             states.x[lane] = x;
             states.drive[lane] = drive;
         };
         for (index, bank) in design.banks.iter().enumerate() {
             for &rate_rad_s in &bank.rates_rad_s {
-                let gain = mesh::gain(rate_rad_s, sample_period_s);
-                put(column, 1.0 - gain, gain, 0.0, index);
+                put(column, rate_rad_s, true, 0.0, index);
                 remembers[column] = true;
                 column += 1;
             }
@@ -94,11 +98,11 @@ impl RegressionRows {
             }
         }
         for &rate_rad_s in &design.initial_rad_s {
-            put(column, 1.0 - mesh::gain(rate_rad_s, sample_period_s), 0.0, 1.0, 0);
+            put(column, rate_rad_s, false, 1.0, 0);
             remembers[column] = true;
             column += 1;
         }
-        put(column, 1.0, 0.0, 1.0, 0);
+        put(column, 0.0, false, 1.0, 0);
         let source = |bank: &super::design::RelaxationBank| BankSignal {
             drive: bank.drive,
             first_gas_c: None,
@@ -161,13 +165,37 @@ impl RegressionRows {
             }
             *is_live = !is_decay || states.x != [0.0; LANES];
         }
-        pulp::Arch::new().dispatch(BatchSteps { lanes: &mut self.lanes, drives: &self.drives, rows, panels });
+        match block.interval_s.get(from..to) {
+            Some(interval_s) => self.step_each(interval_s, panels),
+            None => {
+                pulp::Arch::new().dispatch(BatchSteps { lanes: &mut self.lanes, drives: &self.drives, rows, panels });
+            }
+        }
         for &(column, bank) in &self.feed_through {
             write(panels, column, &self.drives[bank][..rows], 0.0);
         }
         let first_output = self.remembers.len() - self.output_shift.len();
         for (output, (values, &shift)) in block.outputs.iter().zip(&self.output_shift).enumerate() {
             write(panels, first_output + output, &values[from..to], shift);
+        }
+    }
+}
+
+impl RegressionRows {
+    /// Writes rows whose intervals differ, and steps over each.
+    fn step_each(&mut self, interval_s: &[f64], panels: &mut [Panel]) {
+        for (states, panel) in self.lanes.iter_mut().zip(panels) {
+            let drives = states.drive.map(|bank| &self.drives[bank]);
+            let is_driven = states.gain.map(|gain| gain > 0.0);
+            for (n, &interval_s) in interval_s.iter().enumerate() {
+                panel[n] = states.x;
+                for lane in 0..LANES {
+                    let gain = mesh::gain(states.rate_rad_s[lane], interval_s);
+                    let drive = if is_driven[lane] { drives[lane][n] } else { 0.0 };
+                    states.x[lane] = (1.0 - gain) * states.x[lane] + gain * drive;
+                }
+            }
+            states.x = states.x.map(|x| if x.abs() < NOTHING { 0.0 } else { x });
         }
     }
 }

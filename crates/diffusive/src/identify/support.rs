@@ -10,6 +10,7 @@ use super::stuck::StuckRun;
 use recording::stated_unit;
 use recording::text::short;
 
+use crate::model::certainty::noise_error;
 use crate::model::{Class, Model, ModelOutput, rise_unit};
 
 /// Column values beyond it have squares, and sums of squares, that are no longer numbers.
@@ -144,8 +145,7 @@ fn why_nothing(model: &Model, output: &ModelOutput) -> Option<String> {
         return Some(format!("`{name}`: no input explains any of it, and all resistances are zero: {ask}"));
     }
     if output.drift.is_some() {
-        let is_known =
-            |class: &Class| class.steady_gain_k_per_w.abs() > output.inflation() * class.se_steady_gain_k_per_w;
+        let is_known = |class: &Class| class.steady_gain_k_per_w.abs() > output.inflation() * noise_error(class);
         return (!classes().any(is_known)).then(|| {
             format!("`{name}`: no steady gain is greater than its standard error, and the offset moves: {ask}")
         });

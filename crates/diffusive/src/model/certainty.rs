@@ -1,4 +1,4 @@
-//! How sure a model is of what follows from its resistances: frequency response and thermal
+//! Uncertainty of what follows from a model's resistances: frequency response and thermal
 //! impedance, with standard errors by the covariance of all parameters together.
 //!
 //! ```text
@@ -70,10 +70,15 @@ pub fn impedance(model: &Model, pair: &Pair, class: &Class, time_s: f64) -> (f64
 /// Standard error of the steady gain in which coloured residuals count: they widen what C makes of
 /// noise, and not how far models differ that predict as well.
 pub fn steady_gain_error(model: &Model, pair: &Pair, class: &Class) -> f64 {
-    let all = class.se_steady_gain_k_per_w.powi(2);
-    let ones = vec![1.0; class.r_k_per_w.len() + 1];
-    let of_noise = class.covariance.as_ref().map_or(all, |triangle| variance(triangle, &ones).min(all));
+    let (all, of_noise) = (class.se_steady_gain_k_per_w.powi(2), noise_error(class).powi(2));
     (all + (model.inflation(&pair.output).powi(2) - 1.0) * of_noise).sqrt()
+}
+
+/// Standard error of a steady gain by the noise alone: without what other hypotheses say.
+pub fn noise_error(class: &Class) -> f64 {
+    let ones = vec![1.0; class.r_k_per_w.len() + 1];
+    let all = class.se_steady_gain_k_per_w;
+    class.covariance.as_ref().map_or(all, |triangle| variance(triangle, &ones).sqrt().min(all))
 }
 
 /// gᵀ C g of the parameters that `gradient` has.

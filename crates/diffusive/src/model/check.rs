@@ -1,5 +1,5 @@
-//! What must hold in a model that was read from a file, and types alone do not say: whoever
-//! computes with a model relies on it.
+//! Conditions on a model that was read from a file, and types alone do not say: whoever computes
+//! with a model relies on it.
 
 use recording::text::{one_line, tidy};
 

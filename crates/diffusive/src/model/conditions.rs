@@ -24,7 +24,7 @@ pub struct Conditions {
 }
 
 impl Conditions {
-    /// As a recording carries them.
+    /// Conditions as a recording carries them.
     pub fn to_metadata(&self) -> Metadata {
         let pairs = [
             ("gas_species", self.species.clone()),
@@ -35,7 +35,7 @@ impl Conditions {
         pairs.into_iter().map(|(key, value)| (key.to_owned(), value)).collect()
     }
 
-    /// Those of a recording; `None` if it does not tell, as a table from elsewhere.
+    /// Conditions of a recording; `None` if it does not tell, as a table from elsewhere.
     pub fn of_metadata(metadata: &Metadata) -> Option<Self> {
         let text = |key: &str| metadata.iter().find(|(known, _)| known == key).map(|(_, value)| value.as_str());
         let number = |key| text(key)?.parse::<f64>().ok().filter(|number| number.is_finite());
@@ -47,7 +47,7 @@ impl Conditions {
         })
     }
 
-    /// What another record's or experiment's differ in, in words; the temperature of the gas only
+    /// Differences of another record's or experiment's, in words; the temperature of the gas only
     /// where `gas_matters`.
     pub fn differences(&self, other: &Self, gas_matters: bool) -> Vec<String> {
         let mut found = Vec::new();
@@ -69,9 +69,9 @@ impl Conditions {
         found
     }
 
-    /// What keeps a network without wind of these conditions from holding for another record:
-    /// another species, or another support. Pressure and temperature of the gas may differ; a
-    /// calibration reckons with them.
+    /// Reasons that keep a network without wind of these conditions from holding for another
+    /// record: another species, or another support. Pressure and temperature of the gas may differ;
+    /// a calibration reckons with them.
     pub fn of_another_network(&self, other: &Self) -> Vec<String> {
         self.differences(&Self { pressure_pa: self.pressure_pa, ..other.clone() }, false)
     }

@@ -1,4 +1,4 @@
-//! What a model holds, key by key as in its file.
+//! Content of a model, key by key as in its file.
 
 use std::collections::BTreeMap;
 
@@ -23,9 +23,9 @@ pub struct Model {
     pub format: String,
     /// Version of the format.
     pub version: u32,
-    /// How the wind enters.
+    /// Structure: how the wind enters.
     pub structure: Structure,
-    /// Of the record that it was identified from, s.
+    /// Sample period of the record that it was identified from, s.
     pub sample_period_s: f64,
     /// Columns that heat, in order.
     pub inputs: Vec<String>,
@@ -44,19 +44,19 @@ pub struct Model {
     /// The wind of structure `conductance`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wind: Option<ModelWind>,
-    /// How outputs follow a measured surrounding.
+    /// Relaxations by which outputs follow a measured surrounding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ambient: Option<ModelAmbient>,
     /// Losses that grow with temperature; absent where the model is linear.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub losses: Option<ModelLosses>,
-    /// Of the first (mostly the only) output, as in `outputs`.
+    /// Offset of the first (mostly the only) output, as in `outputs`.
     pub offset_c: f64,
-    /// Of the first output, K.
+    /// Residuals of the first output, K.
     pub residual_rms: f64,
-    /// Of the first output.
+    /// Fit of the first output.
     pub fit_percent: f64,
-    /// Of the first output, K.
+    /// Forecast error of the first output, K.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub forecast_rms: Option<f64>,
     /// False if predictions by the model may be far off; `warnings` say what the record lacks.
@@ -64,11 +64,11 @@ pub struct Model {
     /// A sentence for everything that the record does not show. A supported model with warnings
     /// predicts as well as its fit; single parameters of it, which are named, are not resolved.
     pub warnings: Vec<String>,
-    /// What the next record of the same body should be, a sentence for every part of it; empty
-    /// where the model comes from no single record.
+    /// Advice on the next record of the same body, a sentence for every part of it; empty where the
+    /// model comes from no single record.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub advice: Vec<String>,
-    /// What was decided for the model.
+    /// Decisions for the model.
     pub chosen: Chosen,
     /// Where the model comes from.
     pub provenance: Provenance,
@@ -78,7 +78,7 @@ pub struct Model {
     pub end: Option<RecordEnd>,
 }
 
-/// How the wind enters a model.
+/// Structure by which the wind enters a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Structure {
@@ -118,7 +118,7 @@ pub struct ModelOutput {
     /// `None` until the residuals were looked at one by one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub whiteness: Option<Whiteness>,
-    /// How the offset moved, if it did.
+    /// Drift of the offset, if it did.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drift: Option<OutputDrift>,
     /// Root mean square error, K, of predictions of what lies ahead, whose outputs were not used.
@@ -132,19 +132,19 @@ pub struct ModelOutput {
 pub struct OutputDrift {
     /// `random-walk`, `integrated-walk` or `correlated`; `average` where several stand for it.
     pub kind: String,
-    /// Of a random walk its increments, K/√s; of an integrated one those of its slope, K/s/√s; of a
-    /// level that returns its standard deviation, K.
+    /// Size: of a random walk its its increments, K/√s; of an integrated one those of its slope,
+    /// K/s/√s; of a level that returns its standard deviation, K.
     pub size: f64,
     /// Time in which a level returns, s.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub correlation_s: Option<f64>,
     /// Its level behind the last row, K.
     pub last_level_k: f64,
-    /// How much more likely the record is with it than without, nats.
+    /// Amount by which the record is more likely with it than without, nats.
     pub evidence_nats: f64,
 }
 
-/// How much the residuals know of each other.
+/// Correlation of the residuals.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Whiteness {
@@ -168,12 +168,13 @@ pub struct Pair {
     pub output: String,
     /// Ascending rates.
     pub mesh_rad_s: Vec<f64>,
-    /// Of rates that were fitted to the record; absent where the mesh was given or chosen.
+    /// Standard errors of rates that were fitted to the record; absent where the mesh was given or
+    /// chosen.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub se_rate_rad_s: Option<Vec<f64>>,
     /// Whole sample periods by which the output answers late.
     pub dead_time_samples: usize,
-    /// Whether the resistances were held at or above zero.
+    /// The resistances were held at or above zero.
     pub non_negative: bool,
     /// By label. Structure `conductance` has one, that of the reference.
     pub classes: BTreeMap<String, Class>,
@@ -189,9 +190,12 @@ pub struct Class {
     pub se_k_per_w: Vec<f64>,
     /// Σ R_k + feed-through.
     pub steady_gain_k_per_w: f64,
-    /// Its standard error, K/W.
+    /// Its standard error, K/W: half of the central interval of 68 %.
     pub se_steady_gain_k_per_w: f64,
-    /// What the output follows at once; 0 where there is none.
+    /// The central interval of the steady gain that holds 95 %, K/W. Absent where it is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub interval_95: Option<[f64; 2]>,
+    /// Part of the input that the output follows at once; 0 where there is none.
     pub feed_through_k_per_w: f64,
     /// Its standard error, K/W.
     pub se_feed_through_k_per_w: f64,
@@ -216,8 +220,8 @@ pub struct ModelWind {
     pub following: Option<Following>,
 }
 
-/// How outputs follow the gas in the reference's wind: y_o += Σ_k F_k^o x_k, dx_k/dt = ξ_k (T_gas −
-/// from − x_k).
+/// Relaxations by which outputs follow the gas in the reference's wind: y_o += Σ_k F_k^o x_k,
+/// dx_k/dt = ξ_k (T_gas − from − x_k).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Following {
@@ -231,7 +235,7 @@ pub struct Following {
     pub outputs: Vec<Followed>,
 }
 
-/// How one output follows the gas.
+/// Relaxations by which one output follows the gas.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Followed {
@@ -257,14 +261,14 @@ pub enum ModelGas {
     EstimatedC(Estimate),
 }
 
-/// How outputs follow a measured surrounding: with relaxations of their own, whose input is its
-/// temperature. Offsets belong to `following.from_c`.
+/// Relaxations by which outputs follow a measured surrounding, whose input is its temperature.
+/// Offsets belong to `following.from_c`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ModelAmbient {
     /// The column of the record that holds the surrounding's temperature.
     pub column: String,
-    /// As outputs follow a gas.
+    /// Outputs follow a gas.
     pub following: Following,
 }
 
@@ -302,7 +306,7 @@ pub struct ElementLoss {
     pub b_per_k: Estimate,
 }
 
-/// What was decided for the model, by whom and why.
+/// Decisions for the model, by whom and why.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Chosen {
@@ -318,9 +322,9 @@ pub struct Chosen {
     pub prior: String,
     /// Weight of the prior on unit-norm columns.
     pub ridge: f64,
-    /// Whether all resistances were held at or above zero.
+    /// All resistances were held at or above zero.
     pub non_negative: bool,
-    /// Whether outputs follow their inputs at once.
+    /// Outputs follow their inputs at once.
     pub feed_through: bool,
     /// Whole sample periods by which outputs are late.
     pub dead_time_samples: usize,
@@ -345,6 +349,10 @@ pub struct Provenance {
     pub rows: u64,
     /// Length of the records, s.
     pub duration_s: f64,
+    /// Rows stand at times of their own: `sample_period_s` is the shortest interval after a change of
+    /// an input.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub uneven_times: bool,
     /// Least and greatest value of every input in the record.
     pub input_range: Vec<[f64; 2]>,
     /// The gas of the record, where it tells.
@@ -373,7 +381,7 @@ impl Model {
         self.pairs.iter().find(|pair| pair.input == input && pair.output == output)
     }
 
-    /// How outputs follow a gas, or a surrounding, that moves.
+    /// Relaxations by which outputs follow a gas, or a surrounding, that moves.
     pub fn following(&self) -> Option<&Following> {
         let of_wind = self.wind.as_ref().and_then(|wind| wind.following.as_ref());
         of_wind.or(self.ambient.as_ref().map(|ambient| &ambient.following))
@@ -413,7 +421,7 @@ impl ModelOutput {
 }
 
 impl Whiteness {
-    /// Whether nothing but noise is left, as far as a test of one in a hundred tells.
+    /// Tells whether nothing but noise is left, as far as a test of one in a hundred tells.
     pub fn is_white(&self) -> bool {
         self.p_value >= 0.01
     }
@@ -423,7 +431,7 @@ impl OutputDrift {
     /// Kind of drift of an average, in which several may stand.
     pub const AVERAGE: &str = "average";
 
-    /// Whether several drifts, or none, stand in an average.
+    /// Tells whether several drifts, or none, stand in an average.
     pub fn is_average(&self) -> bool {
         self.kind == Self::AVERAGE
     }

@@ -12,8 +12,7 @@ use dr_core::model::mesh;
 use super::content::{Following, LossOrigin, Model, RecordEnd, Structure};
 use super::losses::PlacedLoss;
 
-/// What one output's memory is made of: relaxations of one pair and class, or decays that no input
-/// drives.
+/// Memory of one output: relaxations of one pair and class, or decays that no input drives.
 struct ForwardBank {
     input: usize,
     output: usize,
@@ -27,7 +26,7 @@ struct ForwardBank {
 }
 
 impl ForwardBank {
-    /// What follows at once from inputs of a class.
+    /// Response at once to inputs of a class.
     fn fed_through(&self, (values, class): &(Vec<f64>, usize)) -> f64 {
         let is_driven = self.feed_through != 0.0 && self.class.is_none_or(|own| own == *class);
         if is_driven { self.feed_through * values[self.input] } else { 0.0 }
@@ -41,7 +40,7 @@ struct Decay {
     amplitude_k: f64,
 }
 
-/// What all outputs have of a gas that moves.
+/// Response of all outputs to a gas that moves.
 struct GasFollower {
     from_c: f64,
     rate_rad_s: Vec<f64>,
@@ -89,7 +88,7 @@ pub struct Forward {
     /// offset.
     losses: Vec<PlacedLoss>,
     from_gas: bool,
-    /// Whether the gas that is followed is a measured surrounding.
+    /// The gas that is followed is a measured surrounding.
     has_ambient: bool,
     /// The inputs' last values (newest last) and their class, as far back as the longest dead time.
     past: Vec<(Vec<f64>, usize)>,
@@ -148,7 +147,7 @@ impl Forward {
             forward.add_decays(output, decays, model.sample_period_s);
         }
         if let Some(gas) = &mut forward.gas {
-            // What the gas has done so far is in the decays.
+            // The past of the gas is in the decays.
             gas.x = Some(vec![0.0; gas.gain.len()]);
         }
         let longest = forward.past.len();

@@ -84,7 +84,7 @@ impl Model {
                 !(g.is_finite() && g >= 0.0),
                 model_error!("{name}: `g_w_per_k2` is {g}, and must not be negative")
             );
-            // What an output follows at once, it would lose at once: a loop without a step between.
+            // A response at once would be lost at once: a loop without a step between.
             let of_input = self.pairs.iter().filter(|other| other.input == pair.input);
             let is_at_once = of_input.flat_map(|other| other.classes.values()).any(|of| of.feed_through_k_per_w != 0.0);
             refuse_if!(

@@ -171,8 +171,9 @@ fn provenance(models: &[(String, Model)], inputs: &[String]) -> Provenance {
         records: all().flat_map(|of| of.records.clone()).collect(),
         rows: all().map(|of| of.rows).sum(),
         duration_s: all().map(|of| of.duration_s).sum(),
+        uneven_times: all().any(|of| of.uneven_times),
         input_range: inputs.iter().map(of).collect(),
-        // Of records in different gases nobody's.
+        // Records in different gases have no conditions in common.
         conditions: all().map(|of| of.conditions.clone()).reduce(|a, b| a.filter(|a| b.as_ref() == Some(a))).flatten(),
     }
 }

@@ -1,4 +1,4 @@
-//! Which numbers of a model are meant: those of one pair of input and output, in one event class.
+//! Numbers of a model that are meant: those of one pair of input and output, in one event class.
 
 use super::ModelError;
 use super::content::{Class, Model, Pair, Structure};
@@ -17,8 +17,8 @@ pub struct PairClass<'a> {
     pub label: &'a str,
     /// The symbol: of structure `conductance`, that of the reference.
     pub class: &'a Class,
-    /// What the wind of this class takes from the element, W/K; `None` where the class has a symbol
-    /// of its own.
+    /// Conductance by which the wind of this class takes from the element, W/K; `None` where the
+    /// class has a symbol of its own.
     pub wind_w_per_k: Option<f64>,
 }
 
@@ -55,8 +55,8 @@ impl<'a> PairClass<'a> {
         Ok(Self { model, pair, label: known, class, wind_w_per_k: None })
     }
 
-    /// Whether output and input belong to the same element, as far as the order of the columns
-    /// tells.
+    /// Tells whether output and input belong to the same element, as far as the order of the
+    /// columns tells.
     pub fn is_self_heating(&self) -> bool {
         let input = self.model.inputs.iter().position(|input| *input == self.pair.input);
         let output = self.model.outputs.iter().position(|output| output.name == self.pair.output);
@@ -91,8 +91,8 @@ impl<'a> PairClass<'a> {
         output.map_or(self.model.offset_c, |output| output.offset_c)
     }
 
-    /// What a reader of an export must know: that the record could not support the model, or what
-    /// the export leaves out.
+    /// Warning to the reader of an export: that the record could not support the model, or what the
+    /// export leaves out.
     pub fn warning(&self) -> Option<String> {
         let linear = self.model.losses.is_some().then(|| {
             "the model's losses grow with temperature, w = u - g (T - T_0)^2, and this is its linear part: the answer to little power".to_owned()
@@ -124,13 +124,12 @@ impl<'a> PairClass<'a> {
     }
 }
 
-/// What a pair is called in sentences.
+/// Name of a pair in sentences.
 pub fn name(pair: &Pair) -> String {
     format!("pair {} → {}", pair.input, pair.output)
 }
 
-/// What stands behind the quantity in a column's name, or the whole of it: `sector1` of
-/// `power_w_sector1`.
+/// Part behind the quantity in a column's name, or the whole of it: `sector1` of `power_w_sector1`.
 pub fn element(column: &str) -> &str {
     recording::element_of(column).unwrap_or(column)
 }

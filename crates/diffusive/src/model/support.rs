@@ -1,10 +1,10 @@
-//! What a record does not support of its model, in short: for commands that work with a model and
-//! do not judge it.
+//! Parts of a model that its record does not support, in short: for commands that work with a model
+//! and do not judge it.
 
 use super::content::{Model, Pair};
 
 impl Model {
-    /// How far the record supports the model, unless it does so in every respect.
+    /// Extent to which the record supports the model, unless it does so in every respect.
     pub fn reservation(&self) -> Option<&'static str> {
         match (self.supported, self.warnings.is_empty()) {
             (false, _) => Some("the record does not support this model"),

@@ -64,6 +64,7 @@ pub fn class(r_k_per_w: &[f64]) -> Class {
         se_k_per_w: vec![0.01; r_k_per_w.len()],
         steady_gain_k_per_w: r_k_per_w.iter().sum(),
         se_steady_gain_k_per_w: 0.02,
+        interval_95: None,
         feed_through_k_per_w: 0.0,
         se_feed_through_k_per_w: 0.0,
         covariance: None,

@@ -11,7 +11,7 @@ use super::loop_model::LoopModel;
 use super::reaching::{reaching_time_s, with_losses};
 use super::zeros::decays_of_a_lift;
 
-/// What counts as settled: within this share of a step.
+/// Share of a step within which it counts as settled.
 pub const SETTLED: f64 = 0.02;
 /// A loop is fast if it settles in this share of the time that the structure takes by itself.
 const FAST: f64 = 0.1;
@@ -37,13 +37,13 @@ impl LoopConditions {
         (self.power_low_w, self.power_high_w)
     }
 
-    /// What is left of the levels once losses have taken theirs, W.
+    /// Levels that are left once losses have taken theirs, W.
     pub fn left_w(&self, lost_w: f64) -> (f64, f64) {
         (self.power_low_w - lost_w, self.power_high_w - lost_w)
     }
 }
 
-/// How one class answers.
+/// Answer of one class.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Analysis {
     /// Label of the class.
@@ -80,7 +80,7 @@ pub struct LoopAtSetPoint {
     /// Power that losses which grow with temperature take there, W: a constant beside the linear
     /// loop. Powers here are with it.
     pub lost_w: f64,
-    /// Whether the set-point can be held.
+    /// The set-point can be held.
     pub verdict: Reachability<f64>,
     /// From u_Q to the low level, and to the high level, W. Below zero where the set-point is out
     /// of reach.
@@ -92,7 +92,7 @@ pub struct LoopAtSetPoint {
     /// From rest until the power stays within 2 % of the steady one, under the high level first and
     /// between the levels then, s; `None` if never.
     pub settled_s: Option<f64>,
-    /// How far readings swing; absent where the set-point is out of reach.
+    /// Swing of readings; absent where the set-point is out of reach.
     pub chatter: Option<Chatter>,
 }
 
@@ -154,7 +154,7 @@ fn held(loop_model: &LoopModel, conditions: LoopConditions) -> LoopAtSetPoint {
     let settled_w = SETTLED * (steady_w + lost_w);
     let after_s =
         arrival.as_ref().and_then(|z| limited::settle(surface, z, steady_w, settled_w, (low_w, high_w)).settled_s);
-    // What is read is late by the dead time.
+    // A reading is late by the dead time.
     let reaching_time_s = met_s.map(|met_s| met_s + loop_model.dead_time_s);
     LoopAtSetPoint {
         conditions,
@@ -184,28 +184,28 @@ pub fn change_between(from: &LoopModel, to: &LoopModel, target_c: f64) -> Option
     Some(change(&from.surface, &to.surface, target_c - from.unheated_c))
 }
 
-/// What a class of a conductance has without heating and without its wind: T_w = T_0 − G ΔG (T_0 −
-/// T_gas) turned round, by 1 − G ΔG = 1/(1 + ΔG·ΣR).
+/// Temperature of a class of a conductance without heating and without its wind: T_w = T_0 − G ΔG
+/// (T_0 − T_gas) turned round, by 1 − G ΔG = 1/(1 + ΔG·ΣR).
 fn reference_c(loop_model: &LoopModel) -> f64 {
     let share = 1.0 - loop_model.surface.steady_gain_k_per_w * loop_model.conductance_w_per_k;
     loop_model.gas_c.map_or(loop_model.unheated_c, |gas_c| gas_c + (loop_model.unheated_c - gas_c) / share)
 }
 
 impl Analysis {
-    /// What growing losses take at the set-point, W. Changes of the wind leave it as it is, and do
-    /// without it.
+    /// Power that growing losses take at the set-point, W. Changes of the wind leave it as it is,
+    /// and do without it.
     pub fn lost_w(&self) -> f64 {
         self.held.as_ref().map_or(0.0, |held| held.lost_w)
     }
 
-    /// Whether a zero has no positive real part: on the surface the states would run away.
+    /// Tells whether a zero has no positive real part: on the surface the states would run away.
     pub fn runs_away(&self) -> bool {
         self.zeros.iter().any(|(rate, _)| rate.re <= 0.0)
     }
 
-    /// Whether it settles in a tenth of the structure's own time, after all changes to winds that
-    /// can be held, or else after a step of the set-point. The way to a set-point under the high
-    /// level is no tail: what comes after it is.
+    /// Tells whether it settles in a tenth of the structure's own time, after all changes to winds
+    /// that can be held, or else after a step of the set-point. The way to a set-point under the
+    /// high level is no tail: what comes after it is.
     pub fn is_fast(&self, changes: &[(String, WindChange)]) -> bool {
         let (Some(open_s), Some(worst_s)) = (self.open_settling_s, self.worst_s(changes)) else { return false };
         let winds = changes.iter().any(|(_, change)| self.can_hold(change));
@@ -218,7 +218,7 @@ impl Analysis {
         self.held.as_ref().and_then(|held| held.reaching_time_s).unwrap_or(0.0)
     }
 
-    /// What a change comes to between the loop's levels, or without any where none are known.
+    /// Result of a change between the loop's levels, or without any where none are known.
     pub fn limited(&self, change: &WindChange) -> Limited {
         match &self.held {
             Some(held) => change.between(SETTLED, held.conditions.left_w(held.lost_w)),
@@ -289,7 +289,7 @@ impl Analysis {
         answers + &self.of_the_levels(changes)
     }
 
-    /// What a step of the set-point would come to without levels, where they cost time.
+    /// Result of a step of the set-point without levels, where they cost time.
     fn without_levels(&self) -> String {
         let (Some(free_s), Some(between_s), true) = (self.closed_settling_s, self.step_s(), self.held.is_some()) else {
             return String::new();
@@ -315,7 +315,7 @@ impl Analysis {
         }
     }
 
-    /// What the levels have to do with it.
+    /// Part of the levels in it.
     fn of_the_levels(&self, changes: &[(String, WindChange)]) -> String {
         let lost: Vec<&str> =
             changes.iter().filter(|(_, change)| !self.can_hold(change)).map(|(to, _)| to.as_str()).collect();

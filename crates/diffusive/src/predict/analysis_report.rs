@@ -15,7 +15,7 @@ use recording::text::four_digits as brief;
 /// Swings beyond this share of the rise are not small.
 const COARSE: f64 = 0.1;
 
-/// Which loop is to be analysed; what is left out comes from the model.
+/// Loop that is to be analysed; what is left out comes from the model.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct AnalysisRequest {
     /// The pair as `INPUT:OUTPUT`, where the model has several.
@@ -34,7 +34,7 @@ pub struct AnalysisRequest {
     pub gas_c: Option<f64>,
 }
 
-/// What a closed loop will do. It prints as a summary, and serialises to the keys of `anemo analyse
+/// Forecast of a closed loop. It prints as a summary, and serialises to the keys of `anemo analyse
 /// --json`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AnalysisReport {
@@ -48,9 +48,9 @@ pub struct AnalysisReport {
     pub others: Vec<Analysis>,
     /// Fast, or with a tail: one sentence.
     pub verdict: String,
-    /// Whether it settles in a tenth of the structure's own time.
+    /// It settles in a tenth of the structure's own time.
     pub fast: bool,
-    /// What a reader must know.
+    /// Notes for the reader.
     pub notes: Vec<String>,
 }
 
@@ -117,7 +117,7 @@ fn too_coarse(analysis: &Analysis) -> Option<String> {
     })
 }
 
-/// What was requested, and the rest from the model's record; `None`, with a note, where there is
+/// Requested conditions, and the rest from the model's record; `None`, with a note, where there is
 /// nothing to take it from.
 fn conditions(
     request: &AnalysisRequest,
@@ -230,7 +230,7 @@ impl Serialize for AnalysisReport {
 }
 
 impl Analysis {
-    /// Whether the set-point can be held; `None` where no levels are known.
+    /// Tells whether the set-point can be held; `None` where no levels are known.
     pub fn is_reachable(&self) -> Option<bool> {
         self.held.as_ref().map(|held| matches!(held.verdict, Reachability::Reachable { .. }))
     }

@@ -1,4 +1,4 @@
-//! Which ticks of a recorded loop count: those at which it has arrived at its set-point, as far as
+//! Ticks of a recorded loop that count: those at which it has arrived at its set-point, as far as
 //! its readings tell.
 //!
 //! A loop on its surface passes its set-point every few ticks, whatever the noise is, as every
@@ -9,8 +9,8 @@ use super::closed::PredictedElement;
 
 /// Ticks on one side of the set-point that a loop on its surface does not stay.
 const LONG: usize = 20;
-/// How far away it is no swing, in units of the most that one tick moves the prediction while it is
-/// held.
+/// Distance at which it is no swing, in units of the most that one tick moves the prediction while
+/// it is held.
 const FAR: f64 = 3.0;
 
 /// For every tick whether a recorded temperature in °C is at the set-point that the prediction has.

@@ -15,7 +15,7 @@ use dr_core::model::{mesh, sliding_margins_w};
 
 use super::sliding_surface::SlidingSurface;
 
-/// What readings reach around the set-point, K.
+/// Extremes of readings around the set-point, K.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Chatter {
     /// Below it.

@@ -20,7 +20,7 @@ use crate::model::{Model, ModelError};
 /// Secant steps towards a meeting with the surface.
 const STEPS: usize = 60;
 
-/// What the model begins with.
+/// State that the model begins with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LoopStart {
     /// Nothing was ever heated.
@@ -28,7 +28,7 @@ pub enum LoopStart {
     /// Every element has long been at its low level in the first wind, as an instrument that stands
     /// by.
     Standby,
-    /// As the model's record ended.
+    /// State at the end of the model's record.
     End,
 }
 
@@ -37,11 +37,11 @@ pub enum LoopStart {
 pub struct PredictedElement {
     /// Name of the element.
     pub name: String,
-    /// Whether it has a set-point.
+    /// It has a set-point.
     pub regulated: bool,
     /// Power at t_n in the limit, W.
     pub limit_w: Vec<f64>,
-    /// Whether the element was on its surface for the whole tick.
+    /// The element was on its surface for the whole tick.
     pub held: Vec<bool>,
     /// Power over the tick under the one-bit rule, W.
     pub sampled_w: Vec<f64>,
@@ -194,7 +194,7 @@ fn decide(drive: &Drive, state: &mut DriveState, temperature_c: f64, levels_w: (
     drive.step(state, &input)
 }
 
-/// What a regulated element does in the limit.
+/// Mode of a regulated element in the limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum ElementMode {
     /// Heated as its drive says; not regulated.
@@ -322,8 +322,8 @@ fn settle_modes(
     }
 }
 
-/// Whether an element under a level has come to its set-point from the side from which that level
-/// leads there.
+/// Tells whether an element under a level has come to its set-point from the side from which that
+/// level leads there.
 fn passed(mode: ElementMode, temperature_c: impl Fn() -> f64, target_c: f64) -> bool {
     match mode {
         ElementMode::Under(Level::High) => temperature_c() >= target_c,

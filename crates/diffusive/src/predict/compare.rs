@@ -11,12 +11,12 @@ use crate::model::ModelError;
 /// Moving averages in a row.
 const ORDER: usize = 3;
 
-/// Whether the decimator can take windows of so many ticks.
+/// Tells whether the decimator can take windows of so many ticks.
 pub fn fits(ratio: usize) -> bool {
     u32::try_from(ratio).is_ok_and(|ratio| Decimator::<ORDER>::new(ratio).is_ok())
 }
 
-/// How far apart they are.
+/// Distance between them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compared {
     /// Mean of the stream, W.

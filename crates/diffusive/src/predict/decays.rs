@@ -6,7 +6,7 @@ use nalgebra::{Complex, ComplexField};
 const POINTS: u32 = 4000;
 /// Decades of time that it looks at.
 const DECADES: f64 = 12.0;
-/// What is left of a sum where the search for its extremes ends, as a share of what it began with.
+/// Rest of a sum where the search for its extremes ends, as a share of what it began with.
 const ENDED: f64 = 1e-12;
 /// Halvings, or nearly, of the stretch in which an extreme lies.
 const NARROWINGS: u32 = 100;
@@ -175,7 +175,7 @@ mod tests {
         let exact = libm::pow(5.0, -0.25) - libm::pow(5.0, -1.25);
         assert!((most - exact).abs() < 1e-14 && (at_s - libm::log(5.0) / 4.0).abs() < 1e-6, "{at_s} {most} {exact}");
         assert_eq!(least, 0.0);
-        // What decays from its greatest value is at that at once, and least in the end.
+        // A decay from its greatest value is at that at once, and least in the end.
         assert_eq!(sum(&[(1.0, 2.0)]).extremes(), Some([(f64::INFINITY, 0.0), (0.0, 2.0)]));
         assert_eq!(sum(&[]).extremes(), Some([(0.0, 0.0), (0.0, 0.0)]));
         assert_eq!(sum(&[(0.0, 1.0)]).extremes(), None);

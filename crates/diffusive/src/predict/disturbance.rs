@@ -25,7 +25,7 @@ pub struct WindChange {
     pub matched_k_per_s: Vec<f64>,
     /// Ξ_k − (η_k/Γ)χ, K/s.
     pub mismatched_k_per_s: Vec<f64>,
-    /// What u_eq has beyond its final value, W, if no level is in its way.
+    /// Excess of u_eq over its final value, W, if no level is in its way.
     pub decays: Decays,
     /// The symbol after the change and the states that it begins with; none where the wind acts on
     /// the heated surface alone.

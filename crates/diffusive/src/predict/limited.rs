@@ -21,7 +21,7 @@ const PIECES: u32 = 20;
 const POINTS: u32 = 2000;
 const DECADES: f64 = 9.0;
 
-/// What the levels make of an answer.
+/// Answer under the levels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limited {
     /// For how long in all the temperature is off its set-point, s; `None`: for ever.

@@ -145,7 +145,8 @@ pub fn of_another_gas(model: &Model, gas_c: Option<f64>) -> Option<String> {
     })
 }
 
-/// What an output has of a gas that differs from the one to which its offset belongs, in K.
+/// Part of an output that comes from a gas that differs from the one to which its offset belongs,
+/// in K.
 pub fn followed_k(model: &Model, output: &str, gas_c: Option<f64>) -> f64 {
     let following = model.wind.as_ref().and_then(|wind| wind.following.as_ref());
     let at = model.outputs.iter().position(|known| known.name == output);

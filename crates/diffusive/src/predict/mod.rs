@@ -1,5 +1,5 @@
-//! What a closed loop will do, predicted from an open-loop model before the loop is closed (thesis
-//! 2.3, sliding mode): constant-temperature operation (CTA) by a one-bit heater.
+//! Prediction of a closed loop from an open-loop model before the loop is closed (thesis 2.3,
+//! sliding mode): constant-temperature operation (CTA) by a one-bit heater.
 //!
 //! | module | holds |
 //! |---|---|

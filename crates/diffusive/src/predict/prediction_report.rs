@@ -9,8 +9,8 @@ use super::closed::PredictedElement;
 use super::compare::Compared;
 use recording::text::four_digits as brief;
 
-/// What was predicted of a whole experiment. It prints as a summary, and serialises to the keys of
-/// `anemo predict --json`.
+/// Prediction of a whole experiment. It prints as a summary, and serialises to the keys of `anemo
+/// predict --json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PredictionReport {
     /// The first regulated element; the numbers that follow are its own.
@@ -18,7 +18,7 @@ pub struct PredictionReport {
     rms_w: Option<f64>,
     bias_w: Option<f64>,
     mean_w: Option<f64>,
-    /// Of the decimator, s.
+    /// Window of the decimator, s.
     window_s: f64,
     ticks: usize,
     /// The recording that was compared with.
@@ -29,7 +29,7 @@ pub struct PredictionReport {
     sample_period_s: f64,
 }
 
-/// What was predicted of one element.
+/// Prediction of one element.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PredictedElementReport {
     name: String,
@@ -135,7 +135,7 @@ impl PredictedElementReport {
     }
 }
 
-/// How near to its set-point an element comes that never meets it, and what it lacks.
+/// Nearest approach to its set-point of an element that never meets it, and what it lacks.
 fn nearest(of: &PredictedElement) -> String {
     let ticks = of.sampled_c.iter().zip(&of.target_c).map(|(c, target_c)| (c - target_c, *c, *target_c));
     let Some((apart_k, c, target_c)) = ticks.min_by(|a, b| a.0.abs().total_cmp(&b.0.abs())) else {

@@ -1,4 +1,4 @@
-//! How long a loop is under one level before it meets its set-point.
+//! Time for which a loop is under one level before it meets its set-point.
 //!
 //! Under a level P the rise is y(t) = Σ z_k + Σ (R_k P − z_k)(1 − e^(−ξ_k t)), from rest Σ R_k P (1
 //! − e^(−ξ_k t)), and the set-point is met at y(t) = ΔT. The loop looks once a sample period, so it
@@ -76,7 +76,7 @@ pub fn meeting_s(
         Level::High => 1.0,
         Level::Low => -1.0,
     };
-    // How far on the other side it still is.
+    // Distance on the other side.
     let short_k = |time_s: f64| -> f64 {
         let poles = surface.rates_rad_s.iter().zip(&surface.r_k_per_w).zip(weighted_k);
         let moved: f64 = poles.map(|((&rate, r), z)| (r * power_w - z) * mesh::gain(rate, time_s)).sum();

@@ -1,4 +1,5 @@
-//! What is to be predicted: elements with their drives, in winds that change, at a sample period.
+//! Scenario that is predicted: elements with their drives, in winds that change, at a sample
+//! period.
 
 use dr_core::control::Drive;
 use dr_core::sensor::{Channel, Level};
@@ -23,13 +24,13 @@ pub struct Scenario {
 pub struct Heated {
     /// Name of the element.
     pub name: String,
-    /// What heats it, and how.
+    /// Drive that heats it.
     pub drive: Drive,
-    /// What its levels give off.
+    /// Heater: powers of its levels.
     pub heater: Heater,
 }
 
-/// What the levels give off.
+/// Powers of the levels.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Heater {
     /// The same at any temperature, W.

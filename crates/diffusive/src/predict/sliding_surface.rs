@@ -94,7 +94,7 @@ impl SlidingSurface {
         equivalent_control(&self.rates_rad_s, weighted_k, self.gamma_k_per_j)
     }
 
-    /// Whether a rise in K can be held between two levels in W, and with which power.
+    /// Tells whether a rise in K can be held between two levels in W, and with which power.
     pub fn reachability(&self, rise_k: f64, power_low_w: f64, power_high_w: f64) -> Reachability<f64> {
         reachability(self.steady_gain_k_per_w, rise_k, power_low_w, power_high_w)
     }

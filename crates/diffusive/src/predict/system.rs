@@ -303,7 +303,7 @@ impl System {
         let step = if free {
             Advance::Diagonal {
                 gain: self.rates.iter().map(|&rate| mesh::gain(rate, time_s)).collect(),
-                // What nothing heats may stand still.
+                // An element that nothing heats may stand still.
                 r: (self.rates.iter().zip(&self.eta[class]))
                     .map(|(rate, eta)| if *eta == 0.0 { 0.0 } else { eta / rate })
                     .collect(),

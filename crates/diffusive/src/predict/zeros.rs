@@ -93,8 +93,8 @@ fn eigenvalues(rates: &[f64], eta: &[f64]) -> Vec<Complex<f64>> {
     reduced.complex_eigenvalues().iter().copied().map(improved).collect()
 }
 
-/// What u_eq does beyond its steady value from the states z_k in K: its decays, one for every zero
-/// and, if anything is stored in them, for the poles that this symbol does not heat. Weights in W.
+/// Decays of u_eq to its steady value from the states z_k in K: its decays, one for every zero and,
+/// if anything is stored in them, for the poles that this symbol does not heat. Weights in W.
 pub fn decays_of(surface: &SlidingSurface, weighted_k: &[f64]) -> Decays {
     let (rates, eta) = (&surface.rates_rad_s, &surface.eta_k_per_j);
     let mut decays = Decays::default();
@@ -117,8 +117,8 @@ pub fn decays_of(surface: &SlidingSurface, weighted_k: &[f64]) -> Decays {
     decays
 }
 
-/// What u_eq does beyond its steady value after the rise was lifted by 1 K at once, from rest;
-/// weights in W/K, one a zero.
+/// Decays of u_eq to its steady value after the rise was lifted by 1 K at once, from rest; weights
+/// in W/K, one a zero.
 ///
 /// The states are then z_k = η_k/Γ, and a_j = 1/(μ_j Σ η_k/(ξ_k − μ_j)²): all greater than zero for
 /// η > 0.

@@ -14,6 +14,14 @@ pub enum RecordError {
     /// The file cannot be read.
     #[error(transparent)]
     File(#[from] RecordingError),
+    /// Rows stand on no uniform grid of times; the sentence names the first of them.
+    #[error("{}: {sentence}", record.display())]
+    Uneven {
+        /// The file.
+        record: PathBuf,
+        /// What is wrong, where, and what would be right.
+        sentence: String,
+    },
     /// A row, a column or the whole record is not as identification needs it; the sentence names it
     /// and the remedy.
     #[error("{}: {sentence}", record.display())]
@@ -28,6 +36,10 @@ pub enum RecordError {
 impl RecordError {
     pub(super) fn content(record: &Path, sentence: impl Into<String>) -> Self {
         Self::Content { record: record.to_owned(), sentence: one_line(sentence.into()) }
+    }
+
+    pub(super) fn uneven(record: &Path, sentence: String) -> Self {
+        Self::Uneven { record: record.to_owned(), sentence: one_line(sentence) }
     }
 
     /// What is wrong with a value; its row is counted from 0.

@@ -122,6 +122,11 @@ impl RecordFiles {
         Ok(files)
     }
 
+    /// The same without rows that are inserted where they follow.
+    pub(super) fn without_insertion(self) -> Self {
+        Self { may_insert: false, ..self }
+    }
+
     /// Names of columns in which missing values were filled, and how many.
     pub(super) fn filled(&self) -> impl Iterator<Item = (&str, u64)> {
         let filled = self.bridged.iter().zip(&self.filled).filter(|(_, filled)| **filled > 0);

@@ -1,10 +1,10 @@
-//! Records for identification: any uniformly sampled table, as blocks of rows in memory that does
+//! Records for identification: any table with times, as blocks of rows in memory that does
 //! not grow with its length.
 //!
 //! A [`RecordSource`] hands out the rows in order, as often as they are asked for: a
 //! [`RecordStream`] from Parquet or CSV files, a [`RecordTable`] from arrays. Where rows are
 //! missing, or an input in them, a segment ends: nothing is known of the time between it and the
-//! next. What is uneven or infinite is refused with the row and the column; rows are counted from 1
+//! next. What is infinite is refused with the row and the column; rows are counted from 1
 //! below the header.
 //!
 //! | file | holds |
@@ -18,6 +18,7 @@
 //! | `swapped` | whether an input looks like an output |
 //! | `classes` | labels of the event column |
 //! | `stream`, `table` | the two sources |
+//! | `uneven` | a record whose rows stand at times of their own |
 //! | `in_blocks` | a source in blocks of one length |
 //!
 //! Limits: the time written in a row may be off its place t_n by half a period; an output whose
@@ -39,6 +40,7 @@ mod swapped;
 mod table;
 mod time_role;
 mod times;
+mod uneven;
 
 use std::path::Path;
 
@@ -49,6 +51,7 @@ pub use source::{BLOCK, Block, RecordSource, Selection, Survey};
 pub use stream::RecordStream;
 pub use table::RecordTable;
 pub use times::TimeUnit;
+pub use uneven::open;
 
 /// A whole record as one block, with the labels of its classes: for records that fit in memory.
 pub fn read_all(path: &Path, selection: &Selection) -> Result<(Survey, Block, Vec<String>), RecordError> {

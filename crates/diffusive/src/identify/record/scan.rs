@@ -116,11 +116,12 @@ fn refuse(files: &RecordFiles, roles: &Roles, tally: &Tally) -> Result<(), Recor
     }
     let gaps = tally.gaps + files.bridged_gaps;
     if gaps as f64 > (MOST_GAPS * (tally.rows - files.inserted.min(tally.rows)) as f64).max(1.0) {
-        return refuse(format!(
+        let sentence = format!(
             "its times are uneven: {} of {} rows come more than half a period late; resample the record to uniform times",
             gaps,
             tally.rows - files.inserted.min(tally.rows)
-        ));
+        );
+        return Err(RecordError::uneven(&files.paths[0], sentence));
     }
     Ok(())
 }

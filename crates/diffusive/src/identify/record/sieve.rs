@@ -185,15 +185,18 @@ impl Sieve {
         let before_s = self.clock.last_s();
         self.clock.place(now_s).map_err(|fault| {
             let (name, number, before_s) = (&files.time_column, raw.number(row), before_s.unwrap_or(now_s));
-            let sentence = match fault {
-                ClockFault::DoesNotAscend => does_not_ascend(name, number, before_s, now_s),
-                ClockFault::TooEarly => format!(
-                    "row {number}: `{name}` moves on by {} s, by {} s elsewhere; resample the record or cut it there",
-                    tidy(now_s - before_s),
-                    tidy(self.clock.step_s())
+            let path = &files.paths[raw.file];
+            match fault {
+                ClockFault::DoesNotAscend => RecordError::content(path, does_not_ascend(name, number, before_s, now_s)),
+                ClockFault::TooEarly => RecordError::uneven(
+                    path,
+                    format!(
+                        "row {number}: `{name}` moves on by {} s, by {} s elsewhere; resample the record or cut it there",
+                        tidy(now_s - before_s),
+                        tidy(self.clock.step_s())
+                    ),
                 ),
-            };
-            RecordError::content(&files.paths[raw.file], sentence)
+            }
         })
     }
 }

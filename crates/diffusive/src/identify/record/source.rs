@@ -1,7 +1,8 @@
-//! What identification asks of a record: named columns, uniformly sampled rows in blocks, and
-//! labels of the conditions.
+//! What identification asks of a record: named columns, rows in blocks, and labels of the
+//! conditions.
 //!
-//! Row n holds the outputs y(t_n) and the inputs u held over [t_n, t_{n+1}), with t_n = t_0 + n·T.
+//! Row n holds the outputs y(t_n) and the inputs u held over [t_n, t_{n+1}), with t_n = t_0 + n·T, or
+//! with times of its own.
 
 use std::fmt::Display;
 use std::ops::Range;
@@ -63,8 +64,10 @@ pub struct Survey {
     pub first_time_s: f64,
     /// Time of the last row, in its file.
     pub last_time_s: f64,
-    /// Mean distance of rows in time.
+    /// Mean distance of rows in time; of an uneven record the shortest after a move of an input.
     pub sample_period_s: f64,
+    /// Rows stand at times of their own, on no uniform grid.
+    pub is_uneven: bool,
     /// The gas in which it was taken, if it tells.
     pub conditions: Option<Conditions>,
     /// What was decided by default, and, once the record has been read, what was remarkable in it:
@@ -75,13 +78,13 @@ pub struct Survey {
 impl Survey {
     /// How long the record is, without its gaps.
     pub fn duration_s(&self) -> f64 {
-        self.rows as f64 * self.sample_period_s
+        if self.is_uneven { self.last_time_s - self.first_time_s } else { self.rows as f64 * self.sample_period_s }
     }
 
     /// How long its longest segment is. Each begins with anything, so that nothing slower shows in
     /// a record, however many there are.
     pub fn longest_s(&self) -> f64 {
-        self.longest_rows as f64 * self.sample_period_s
+        if self.is_uneven { self.duration_s() } else { self.longest_rows as f64 * self.sample_period_s }
     }
 
     /// Banks of relaxations that inputs drive in so many classes, and measured surroundings.
@@ -118,6 +121,8 @@ pub struct Block {
     pub begins_segment: bool,
     /// Rows, ascending, in which an output is missing: it has its last value there.
     pub missing: Vec<u32>,
+    /// Time from each row to the next, s, in an uneven record; else empty.
+    pub interval_s: Vec<f64>,
 }
 
 impl Block {
@@ -143,6 +148,7 @@ impl Block {
             time_s: self.time_s,
             begins_segment: self.begins_segment && rows.start == 0,
             missing: missing.map(|row| (row - rows.start) as u32).collect(),
+            interval_s: self.interval_s.get(rows.clone()).map_or(Vec::new(), <[f64]>::to_vec),
         }
     }
 
@@ -160,6 +166,7 @@ impl Block {
         }
         self.class.extend(&more.class);
         self.gas.extend(&more.gas);
+        self.interval_s.extend(&more.interval_s);
         self.time_s.1 = more.time_s.1;
     }
 }

@@ -95,6 +95,7 @@ impl RecordStream {
             first_time_s: scan.first_s,
             last_time_s: scan.last_s,
             sample_period_s: scan.period_s,
+            is_uneven: false,
             conditions: Conditions::of_metadata(&metadata),
             notes,
         };

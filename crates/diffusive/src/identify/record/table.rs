@@ -71,12 +71,18 @@ impl RecordTable {
             first_time_s: 0.0,
             last_time_s: time_s(rows - 1),
             sample_period_s,
+            is_uneven: false,
             conditions: None,
             notes: Vec::new(),
             path: path.clone(),
             paths: vec![path.clone()],
         };
-        Ok(Self { survey, blocks: blocks.collect(), next: 0, classes: vec!["all".to_owned()] })
+        Ok(Self::of(survey, blocks.collect()))
+    }
+
+    /// Rows in blocks, of one class.
+    pub(super) fn of(survey: Survey, blocks: Vec<Block>) -> Self {
+        Self { survey, blocks, next: 0, classes: vec!["all".to_owned()] }
     }
 
     /// The same record, beginning at another time.
@@ -114,7 +120,7 @@ impl RecordTable {
             notes: Vec::new(),
             ..survey.clone()
         };
-        Self { survey, blocks: blocks.collect(), next: 0, classes: vec!["all".to_owned()] }
+        Self::of(survey, blocks.collect())
     }
 
     /// Gives every row the label of its conditions.

@@ -4,6 +4,7 @@ mod loggers;
 mod long;
 mod refused;
 mod segments;
+mod uneven;
 
 use std::path::PathBuf;
 

@@ -56,7 +56,7 @@ pub fn model(
     let mut warnings: Vec<String> = contradicted.collect();
     warnings.extend(support::warnings(survey, facts));
     for (output, found) in found.iter().enumerate() {
-        warnings.extend(outcome::warnings(output, &found.score, &[], &pairs, survey, facts));
+        warnings.extend(outcome::warnings(output, Some(&found.score), &[], &pairs, survey, facts));
     }
     warnings.extend(names.iter().zip(&residuals.residuals).flat_map(|(name, of)| support::doubtful(name, of)));
     // Poles that are not resolved leave the model as good as one of fewer poles.

@@ -14,6 +14,7 @@ use super::candidates::MeshPart;
 use super::choose::{CandidateSet, Choice};
 use super::delay::{self, PathDecision};
 use super::design::GasSource;
+use super::evidence::{Weighable, Weighed};
 use super::fitted::FittedOutput;
 use super::folds::change;
 use super::options::{FitObserver, IdentifyOptions, InitialState, Progress};
@@ -43,6 +44,17 @@ const AS_GOOD: f64 = 1.01;
 pub fn identify(
     source: &mut dyn RecordSource,
     options: &IdentifyOptions,
+    progress: &mut Progress<'_>,
+    observer: &mut FitObserver<'_>,
+) -> Result<Model, RecordError> {
+    identify_weighed(source, options, None, progress, observer)
+}
+
+/// Identifies a record; its hypotheses are weighed where it is `weighable`.
+pub(super) fn identify_weighed(
+    source: &mut dyn RecordSource,
+    options: &IdentifyOptions,
+    weighable: Option<&Weighable>,
     progress: &mut Progress<'_>,
     observer: &mut FitObserver<'_>,
 ) -> Result<Model, RecordError> {
@@ -78,7 +90,7 @@ pub fn identify(
         let others = decided(source, &reading, &open, progress)?;
         let against = contradictions(&reading.plan.survey, options, &choices, &others);
         if !against.is_empty() {
-            let mut model = identify(source, &open, progress, observer)?;
+            let mut model = identify_weighed(source, &open, weighable, progress, observer)?;
             model.warnings.extend(against);
             model.supported = false;
             return Ok(model);
@@ -87,12 +99,34 @@ pub fn identify(
     let tied =
         if options.tie { tie(&reading, options, &choices) } else { Tied { choices, reason: None, warning: None } };
     let Tied { choices, reason: tie_reason, warning: tie_warning } = tied;
-    let fitted: Vec<FittedOutput> =
-        choices.iter().enumerate().map(|(output, choice)| choice.fitted(&reading, output)).collect();
+    progress("weighing hypotheses", 0, 1);
+    let weighed: Vec<Option<Weighed>> = match weighable {
+        None => choices.iter().map(|_| None).collect(),
+        Some(weighable) => {
+            let left = left_by(source, &reading, &choices)?;
+            let weighed = weighable.weigh(&reading.plan.survey, options).into_iter().zip(&left);
+            weighed.map(|(of, left)| Some(of).filter(|of| !(of.is_settled && is_white(left)))).collect()
+        }
+    };
+    let fitted = fitted(&reading, &choices, &weighed);
     let mut row = observed(progress, "residuals", reading.plan.survey.rows, observer);
     let residuals = ResidualPass::of(source, GasSource::Constant(0.0), &fitted, &mut row)?;
-    let result = SymbolResult { reading: &reading, choices: &choices, fitted: &fitted, residuals };
+    let result = SymbolResult { reading: &reading, choices: &choices, weighed: &weighed, fitted: &fitted, residuals };
     Ok(result.model(&options.constraints, tie_reason, tie_warning))
+}
+
+/// The model of every output: of all hypotheses where the evidence decides, else the choice's.
+fn fitted<'a>(
+    reading: &'a SymbolReading,
+    choices: &'a [Choice],
+    weighed: &'a [Option<Weighed>],
+) -> Vec<FittedOutput<'a>> {
+    let period_s = reading.plan.survey.sample_period_s;
+    let of = |(output, weighed): (usize, &'a Option<Weighed>)| {
+        let own = weighed.as_ref().and_then(|weighed| weighed.model.as_ref());
+        own.map_or_else(|| choices[output].fitted(reading, output), |model| model.fitted(period_s))
+    };
+    weighed.iter().enumerate().map(of).collect()
 }
 
 /// What is known of a record, without a gas of which nothing is made.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::super::choose::{Choice, ScoredCandidate};
 use super::super::design::Role;
+use super::super::evidence::{Weighed, WeighedModel};
 use super::super::fitted::FittedOutput;
 use super::super::folds::change;
 use super::super::options::{Constraints, InitialState};
@@ -19,6 +20,8 @@ pub struct SymbolResult<'a> {
     pub reading: &'a SymbolReading,
     /// By output.
     pub choices: &'a [Choice],
+    /// By output, where the evidence decides.
+    pub weighed: &'a [Option<Weighed>],
     pub fitted: &'a [FittedOutput<'a>],
     pub residuals: ResidualPass,
 }
@@ -32,10 +35,13 @@ impl SymbolResult<'_> {
             output.forecast_rms = Some(choice.forecast_rms(facts.sd()));
         }
         // A drift's offset is none that stands.
-        let stands = |choice: &Choice| choice.drift.as_ref().is_none_or(|drift| drift.filter.is_none());
-        let places = (0..outputs.len()).filter(|&output| stands(&self.choices[output]));
+        let stands = |output: usize| self.fitted[output].drift.is_none_or(|drift| drift.filter.is_none());
+        let places = (0..outputs.len()).filter(|&output| stands(output));
         let quiet = &passed.facts.quiet_start;
-        let at_rest = |output: usize| self.choices[output].trial.initial_state != InitialState::Free;
+        let at_rest = |output: usize| {
+            let own = self.weighed_model(output).map(|model| model.initial_state);
+            own.unwrap_or(self.choices[output].trial.initial_state) != InitialState::Free
+        };
         let contradicted: Vec<String> =
             places.filter_map(|output| quiet.held_against(output, at_rest(output), &mut outputs[output])).collect();
         let (pairs, ambient) = (self.pairs(), self.ambient());
@@ -48,8 +54,24 @@ impl SymbolResult<'_> {
             event_column: survey.event_column.clone().filter(|_| plan.is_gated()),
             supported: warnings.is_empty(),
             warnings,
-            chosen: chosen(&self.choices[0], is_white, plan, reasons, given),
+            chosen: self.chosen(is_white, reasons, given),
             ..outcome::model(Structure::Symbol, survey, &passed.facts, classes, outputs, self.residuals)
+        }
+    }
+
+    /// The parameters that the evidence decides on, if it does.
+    fn weighed_model(&self, output: usize) -> Option<&WeighedModel> {
+        self.weighed[output].as_ref()?.model.as_ref()
+    }
+
+    fn chosen(&self, is_white: bool, mut reasons: Vec<String>, given: &Constraints) -> Chosen {
+        let (plan, weighed) = (&self.reading.plan, self.weighed[0].as_ref());
+        match self.weighed_model(0) {
+            Some(model) => {
+                reasons = weighed.map(|weighed| weighed.reasons.clone()).unwrap_or_default();
+                model.chosen(plan.survey.longest_s(), reasons)
+            }
+            None => chosen(&self.choices[0], is_white, plan, reasons, given),
         }
     }
 
@@ -60,9 +82,10 @@ impl SymbolResult<'_> {
         warnings.extend(tie_warning);
         for (output, choice) in self.choices.iter().enumerate() {
             let (score, gains) = (&choice.score, &choice.gain_spread);
-            warnings.extend(match choice.is_average() {
-                true => outcome::average_warnings(output, score, survey, facts),
-                false => outcome::warnings(output, score, gains, pairs, survey, facts),
+            warnings.extend(match (self.weighed_model(output), choice.is_average()) {
+                (Some(_), _) => outcome::warnings(output, None, &[], pairs, survey, facts),
+                (None, true) => outcome::average_warnings(output, score, survey, facts),
+                (None, false) => outcome::warnings(output, Some(score), gains, pairs, survey, facts),
             });
         }
         let readings = survey.outputs.iter().zip(&self.residuals.residuals);
@@ -76,10 +99,11 @@ impl SymbolResult<'_> {
         for (output, choice) in self.choices.iter().enumerate() {
             for (input, name) in survey.inputs.iter().enumerate() {
                 let mut classes = BTreeMap::new();
-                let mut mesh_rad_s = Vec::new();
+                let (mut mesh_rad_s, mut delay) = (Vec::new(), path.delay);
                 for (bank, part) in parts.iter().enumerate().filter(|(_, part)| part.input == input) {
-                    mesh_rad_s = self.reading.plan.rates_of(choice.trial.mesh, bank);
-                    let mut class = self.fitted[output].class(bank, 0..0);
+                    let fitted = &self.fitted[output];
+                    (mesh_rad_s, delay) = (fitted.rates_rad_s(bank), fitted.design.banks[bank].delay);
+                    let mut class = fitted.class(bank, 0..0);
                     let spread = choice.gain_spread.get(bank).map_or(0.0, |spread| spread.median);
                     class.se_steady_gain_k_per_w = libm::hypot(class.se_steady_gain_k_per_w, spread);
                     classes.insert(labels[part.class].clone(), class);
@@ -89,10 +113,15 @@ impl SymbolResult<'_> {
                     output: survey.outputs[output].clone(),
                     mesh_rad_s,
                     se_rate_rad_s: None,
-                    dead_time_samples: path.delay,
-                    non_negative: self.is_held(choice, input),
+                    dead_time_samples: delay,
+                    non_negative: self.weighed_model(output).is_none() && self.is_held(choice, input),
                     classes,
                 };
+                if let Some(weighed) = &self.weighed[output] {
+                    pair.classes.values_mut().for_each(|class| weighed.state(input, class));
+                    pairs.push(pair);
+                    continue;
+                }
                 let unresolved = |class| outcome::unresolved_k_per_w(&pair, class, survey.longest_s());
                 let unresolved: Vec<f64> = pair.classes.values().map(unresolved).collect();
                 for (class, unresolved) in pair.classes.values_mut().zip(unresolved) {

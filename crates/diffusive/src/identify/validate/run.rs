@@ -30,7 +30,8 @@ pub(super) fn run(
         Some(ModelGas::Column(_)) | None => 0.0,
     };
     let (mut input_row, mut measured, mut predicted) = (vec![0.0; inputs], vec![0.0; outputs], vec![0.0; outputs]);
-    let (mut row, mut segment) = (0, 0);
+    let period_s = source.survey().sample_period_s;
+    let (mut row, mut segment) = (0_u64, 0);
     let mut forward = begin(segment);
     // Which of the model's classes each of the record's is.
     let mut classes: Vec<usize> = Vec::new();
@@ -65,9 +66,10 @@ pub(super) fn run(
             if missing.next_if_eq(&at).is_some() {
                 measured.fill(f64::NAN);
             }
+            let since_s = row as f64 * period_s;
             seen(
                 segment,
-                &FitRow { row, class, measured: &measured, predicted: &predicted, drift: &[], drift_se: &[] },
+                &FitRow { row, since_s, class, measured: &measured, predicted: &predicted, drift: &[], drift_se: &[] },
             );
             row += 1;
         }

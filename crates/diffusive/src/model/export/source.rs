@@ -86,7 +86,7 @@ fn about(part: &PairClass) -> Vec<String> {
 enum Constant {
     Count(usize),
     Number(f32),
-    /// As many as there are relaxations.
+    /// One number a relaxation.
     Numbers(Vec<f32>),
 }
 
@@ -113,7 +113,7 @@ impl Constant {
 
 fn single(key: &str, value: f64) -> Result<f32, ModelError> {
     let rounded = value as f32;
-    // What is not zero must not become it: a rate or gain of zero is another model.
+    // A value that is not zero must not become zero: a rate or gain of zero is another model.
     if rounded.is_finite() && (rounded != 0.0 || value == 0.0) {
         return Ok(rounded);
     }
@@ -124,7 +124,7 @@ fn singles(key: &str, values: &[f64]) -> Result<Vec<f32>, ModelError> {
     values.iter().map(|value| single(key, *value)).collect()
 }
 
-/// What cannot end a comment.
+/// Text that cannot end a comment.
 fn plain(text: &str) -> String {
     text.replace("*/", "* /").replace(['\n', '\r'], " ")
 }
@@ -141,7 +141,8 @@ mod tests {
         source(&PairClass::find(&model, None, None).unwrap(), language).unwrap()
     }
 
-    /// Whether a compiler takes the text; `None`, with a message, where there is no such compiler.
+    /// Tells whether a compiler takes the text; `None`, with a message, where there is no such
+    /// compiler.
     fn compiles(compiler: &str, arguments: &[&str], file: &str, text: &str) -> Option<bool> {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join(file), text).unwrap();
@@ -172,7 +173,7 @@ mod tests {
     #[test]
     fn the_c_text_compiles() {
         let text = text(Language::C);
-        // As it is used: included, warnings being errors.
+        // It is compiled as it is used: included, warnings being errors.
         let arguments =
             ["-std=c99", "-Wall", "-Werror", "-pedantic", "-fsyntax-only", "-include", "model.h", "-x", "c"];
         assert_ne!(compiles("cc", &arguments, "model.h", &text), Some(false), "{text}");

@@ -57,7 +57,8 @@ pub fn netlist(part: &PairClass, network: SpiceNetwork) -> Result<String, ModelE
         if part.wind_w_per_k.is_some() { " without the conductance to the gas" } else { "" },
         spice(part.offset_c()),
     );
-    // What is lost from a heater elsewhere depends on a temperature that a pair of its own lacks.
+    // Heat that is lost from a heater elsewhere depends on a temperature that a pair of its own
+    // lacks.
     let loss_w_per_k2 = if one_port { part.loss_w_per_k2() } else { 0.0 };
     let warning = if loss_w_per_k2 > 0.0 { part.warning_beside_losses() } else { part.warning() };
     if let Some(warning) = warning {

@@ -28,7 +28,7 @@ pub struct StateSpace {
     pub d: DMatrix<f64>,
     /// T, s.
     pub sample_period_s: f64,
-    /// What is not in them, a sentence.
+    /// Warning of what is not in them, a sentence.
     pub warning: Option<String>,
 }
 
@@ -59,7 +59,7 @@ pub fn state_space(model: &Model, label: Option<&str>, sample_period_s: Option<f
     let input = |part: &PairClass| index(model.inputs.iter().position(|name| *name == part.pair.input));
     let output = |part: &PairClass| index(model.outputs.iter().position(|of| of.name == part.pair.output));
     let inputs = model.inputs.len();
-    // Of every input the longest chain that any of its pairs wants.
+    // Takes, of every input the longest chain that any of its pairs wants.
     let chain = |of: usize| parts.iter().filter(|(part, _)| input(part) == of).map(|(_, late)| *late).max();
     let chains: Vec<usize> = (0..inputs).map(|of| chain(of).unwrap_or(0)).collect();
     let relaxations: usize = parts.iter().map(|(part, _)| part.pair.mesh_rad_s.len()).sum();

@@ -1,5 +1,5 @@
-//! What a smaller model in f32 loses, measured: the core's own relaxations beside the whole model
-//! in f64, on the same input.
+//! Loss of a smaller model in f32, measured: the core's own relaxations beside the whole model in
+//! f64, on the same input.
 //!
 //! | input | is |
 //! |---|---|
@@ -27,7 +27,7 @@ pub struct Difference {
     pub largest_k_per_w: f64,
 }
 
-/// Of one pair in one class.
+/// Loss of one pair in one class.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Loss {
     /// Column that heats.

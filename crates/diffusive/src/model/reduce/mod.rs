@@ -30,7 +30,7 @@ use super::ModelError;
 use super::content::{Class, Model, Pair};
 use super::pair_class::name;
 
-/// How rates are placed.
+/// Placement of rates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rates {
     /// Each for itself.

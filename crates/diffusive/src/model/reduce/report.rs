@@ -8,8 +8,8 @@ use super::loss::{Loss, Reduced};
 use crate::model::ModelError;
 use crate::model::content::{Class, Model, Pair};
 
-/// What a reduction made and what it loses. It prints as a summary, and serialises to the keys of
-/// `anemo model reduce --json`.
+/// Result of a reduction and its loss. It prints as a summary, and serialises to the keys of `anemo
+/// model reduce --json`.
 #[derive(Debug, Serialize)]
 pub struct ReductionReport<'a> {
     /// Poles a pair that were requested.

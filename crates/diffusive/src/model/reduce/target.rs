@@ -1,5 +1,5 @@
-//! What a smaller model must reproduce: the whole model's response, sampled and held, at
-//! frequencies up to Nyquist.
+//! Target of a smaller model: the whole model's response, sampled and held, at frequencies up to
+//! Nyquist.
 //!
 //! ```text
 //! H(ω) = Σ_k R_k g_k / (e^(jωTs) − 1 + g_k),     g_k = 1 − e^(−ξ_k Ts)
