@@ -11,10 +11,10 @@
 //! Formatting (`core::fmt`) is not among them: words of panics refer to it, and the panic handler
 //! does not look at those. That nothing else formats is made sure of here.
 //!
-//! What it cannot see: an address that is computed in another way (no compiler does that with a
-//! function), code that is written as the program runs, and exception entries, which are the
-//! caller's business. An instruction that changes the stack pointer in an unknown way and a branch
-//! to nowhere are errors, not guesses.
+//! Limits: an address that is computed in another way (no compiler does that with a function), code
+//! that is written as the program runs, and exception entries, which are the caller's business. An
+//! instruction that changes the stack pointer in an unknown way and a branch to nowhere are errors,
+//! not guesses.
 
 use crate::code::{DecodedInstruction, ImageCode};
 use crate::thumb::{Effect, Registers, effect};
@@ -27,7 +27,7 @@ pub struct Function {
     pub names: Vec<String>,
     /// Functions that it branches to, by their index.
     pub calls: BTreeSet<usize>,
-    /// Whether it calls through a register.
+    /// It calls through a register.
     pub calls_pointers: bool,
     /// Bytes of stack.
     pub frame: u32,
@@ -39,7 +39,7 @@ pub struct CallGraph {
     pub functions: Vec<Function>,
     /// Functions whose address is kept anywhere but in the vector table.
     pub pointed: BTreeSet<usize>,
-    /// What the vector table leads to, from the entry behind the reset vector on.
+    /// Handlers of the vector table, from the entry behind the reset vector on.
     pub vectors: BTreeSet<usize>,
     /// Values of symbols of the linker.
     addresses: HashMap<String, u32>,
@@ -51,7 +51,7 @@ impl Function {
         self.names.first().map_or("?", String::as_str)
     }
 
-    /// Whether it writes text, by its name.
+    /// Tells whether it writes text, by its name.
     fn formats(&self) -> bool {
         self.names.iter().any(|name| name.contains("core::fmt::") || name.contains("core::panicking::panic_display"))
     }
@@ -71,7 +71,7 @@ impl CallGraph {
         let mut pointed: BTreeSet<usize> = code.data.iter().filter_map(pointer).collect();
         let mut functions = Vec::new();
         for own in &code.functions {
-            pointed.extend(own.constants.iter().filter_map(pointer));
+            pointed.extend(own.constants().filter_map(|word| pointer(&word)));
             let mut function =
                 Function { names: own.names.clone(), calls: BTreeSet::new(), calls_pointers: false, frame: 0 };
             for stretch in &own.stretches {

@@ -1,6 +1,5 @@
-//! What the checksum of an image covers, and where it stands (`memory.x`,
-//! `firmware/src/proof/flash.rs`): the vector table, then everything from the code to the checksum
-//! itself.
+//! Cover and place of an image's checksum (`memory.x`, `firmware/src/proof/flash.rs`): the vector
+//! table, then everything from the code to the checksum itself.
 
 use anyhow::{Context, Result};
 use object::elf::{FileHeader32, PT_LOAD};
@@ -10,13 +9,13 @@ use std::collections::BTreeMap;
 
 /// The section that the checksum fills.
 const SECTION: &str = ".image_checksum";
-/// What flash holds where an image has nothing.
+/// Content of flash where an image has nothing.
 const ERASED: u8 = 0xff;
 
 /// Bytes that a checksum covers, and its own place in the file.
 #[derive(Debug, PartialEq, Eq)]
 pub struct ChecksumPlace {
-    /// As they stand in flash.
+    /// Bytes as they stand in flash.
     pub covered: Vec<u8>,
     /// Where its four bytes, the least one first, stand in the file.
     pub offset: usize,

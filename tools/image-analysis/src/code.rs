@@ -19,7 +19,7 @@ pub struct DecodedInstruction {
     pub length: u32,
     /// Its name.
     pub mnemonic: String,
-    /// What it is done with.
+    /// Operands.
     pub operands: String,
 }
 
@@ -31,8 +31,15 @@ pub struct FunctionCode {
     pub addresses: Range<u32>,
     /// Stretches of code that no constants part.
     pub stretches: Vec<Vec<DecodedInstruction>>,
-    /// Words between them.
-    pub constants: Vec<u32>,
+    /// Constants between them, by their address.
+    pub data: Vec<(u32, Vec<u8>)>,
+}
+
+impl FunctionCode {
+    /// The constants as words.
+    pub fn constants(&self) -> impl Iterator<Item = u32> + '_ {
+        self.data.iter().flat_map(|(_, bytes)| words(bytes))
+    }
 }
 
 /// All code of an image.
@@ -87,17 +94,17 @@ impl ImageCode {
         let mut functions = Vec::new();
         for ((start, (names, size)), next) in named.into_iter().zip(nexts) {
             let addresses = start..if size > 0 { start + size as u32 } else { next };
-            let (mut stretches, mut constants) = (Vec::new(), Vec::new());
+            let (mut stretches, mut data) = (Vec::new(), Vec::new());
             for (part, is_data) in parts(&addresses, &data_marks) {
                 let bytes = code.get((part.start - base) as usize..(part.end - base) as usize);
                 let bytes = bytes.with_context(|| format!("{} lies beyond .text", names[0]))?;
                 if is_data {
-                    constants.extend(words(bytes));
+                    data.push((part.start, bytes.to_vec()));
                 } else {
                     stretches.push(decode(&decoder, bytes, part.start).with_context(|| names[0].clone())?);
                 }
             }
-            functions.push(FunctionCode { names, addresses, stretches, constants });
+            functions.push(FunctionCode { names, addresses, stretches, data });
         }
         let mut data = Vec::new();
         for section in [".rodata", ".data"].into_iter().filter_map(|name| file.section_by_name(name)) {

@@ -35,7 +35,7 @@ const fn always(cycles: u64) -> Cycles {
     Cycles { low: cycles, high: cycles }
 }
 
-/// What the time of an instruction depends on, beside itself.
+/// Dependence of the time of an instruction, beside itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Timing {
     Alone,
@@ -58,7 +58,7 @@ pub struct Instruction {
     timing: Timing,
     /// Single-precision registers that it reads, one bit each.
     reads: u32,
-    /// Those that an arithmetic instruction writes; its result is late by one cycle.
+    /// Registers that an arithmetic instruction writes; its result is late by one cycle.
     writes_late: u32,
 }
 
@@ -108,6 +108,9 @@ impl Instruction {
             (always(2), if jumps { Timing::Branch } else { Timing::Transfer })
         } else if is(&["tbb", "tbh"]) {
             (always(2), Timing::Branch)
+        } else if is(&["isb", "dsb", "dmb"]) {
+            // A refill; a store that waits.
+            (Cycles { low: 1, high: 4 }, Timing::Alone)
         } else if is(&["udiv", "sdiv"]) {
             // It depends on the operands.
             (Cycles { low: 2, high: 12 }, Timing::Alone)
@@ -142,6 +145,11 @@ impl Instruction {
             cycles += always(1);
         }
         cycles
+    }
+
+    /// Cycles at worst, without the refill of a branch; nothing is known before the first of a block.
+    pub fn worst_cycles(&self, previous: Option<&Instruction>) -> u64 {
+        self.cycles(previous, false).high + u64::from(previous.is_none() && self.reads != 0)
     }
 }
 

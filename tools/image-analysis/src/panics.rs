@@ -5,37 +5,40 @@
 //! everything that an interrupt, an exception or the idle loop can reach there must be no way to
 //! one of them. Start-up may panic: no heater has been raised yet, and the board starts anew.
 //!
-//! What this does not see: whatever [`crate::call_graph`] does not, and code that stops without a
-//! panic (an endless loop, a fault; the watchdog and the fault handler are for those).
+//! Limits: whatever [`crate::call_graph`] does not, and code that stops without a panic (an endless
+//! loop, a fault; the watchdog and the fault handler are for those).
 
 use crate::call_graph::{CallGraph, Function};
 use anyhow::{Result, bail};
 use std::collections::BTreeSet;
 
-/// What is known of an image beforehand.
+/// Rules that are known of an image beforehand.
 pub struct Rules<'a> {
     /// The idle loop: what runs before it is start-up.
     pub idle: &'a str,
     /// Functions whose panics are known not to happen, and why. Their other calls count.
     pub allowed: &'a [(&'a str, &'a str)],
-    /// Vectors whose tasks may panic, and why.
-    pub exempt: &'a [(&'a str, &'a str)],
 }
 
-/// What was found of panics.
+/// Findings on panics.
 #[derive(Debug, Default)]
 pub struct PanicFindings {
     /// Exceptions that were made use of, with their reasons.
     pub exceptions: Vec<String>,
     /// Every way from what runs after start-up to a panic, one for each function that panics.
     pub ways: Vec<String>,
-    /// How many functions can run after start-up.
+    /// Number of functions that can run after start-up.
     pub reachable: usize,
 }
 
 /// Where a panic begins.
 pub fn is_panic(function: &Function) -> bool {
-    function.names.iter().any(|name| {
+    is_named_panic(&function.names)
+}
+
+/// The same by the function's names.
+pub fn is_named_panic(names: &[String]) -> bool {
+    names.iter().any(|name| {
         name.starts_with("core::panicking::")
             || name.contains("rust_begin_unwind")
             || name.contains("defmt_panic")
@@ -52,21 +55,15 @@ pub fn find(graph: &CallGraph, rules: &Rules) -> Result<PanicFindings> {
             "the image has no panic at all, not even at start-up: their names must have changed, so nothing is checked"
         );
     }
-    let exempt = |vector: &usize| {
-        rules.exempt.iter().any(|(name, _)| graph.functions[*vector].names.iter().any(|own| own == name))
-    };
-    let vectors = graph.vectors.iter().copied().filter(|vector| !exempt(vector));
-    let ways = ways(graph, vectors.chain([idle]), rules.allowed);
+    let starts = || graph.vectors.iter().copied().chain([idle]);
+    let ways = ways(graph, starts(), rules.allowed);
     let mut exceptions = Vec::new();
-    for (name, why) in rules.exempt.iter().filter(|(name, _)| graph.function(name).is_some()) {
-        exceptions.push(format!("exempt is {name}: {why}"));
-    }
     for (name, why) in rules.allowed {
         if graph.function(name).is_some_and(|function| graph.callees(function).any(|f| is_panic(&graph.functions[f]))) {
             exceptions.push(format!("allowed in {name}: {why}"));
         }
     }
-    let reachable = reached(graph, graph.vectors.iter().copied().chain([idle]), |_| true).len();
+    let reachable = reached(graph, starts(), |_| true).len();
     Ok(PanicFindings { exceptions, ways, reachable })
 }
 
@@ -133,7 +130,7 @@ mod tests {
     }
 
     fn found(graph: &CallGraph) -> PanicFindings {
-        find(graph, &Rules { idle: IDLE, allowed: &[], exempt: &[] }).expect("there are panics, and an idle loop")
+        find(graph, &Rules { idle: IDLE, allowed: &[] }).expect("there are panics, and an idle loop")
     }
 
     #[test]
@@ -156,14 +153,10 @@ mod tests {
     fn an_exception_is_reported_with_its_reason_and_counts_for_what_it_names_only() {
         let mut graph = graph();
         graph.functions[4].calls.insert(5);
-        let rules = Rules { idle: IDLE, allowed: &[("helper", "it is known")], exempt: &[] };
+        let rules = Rules { idle: IDLE, allowed: &[("helper", "it is known")] };
         let allowed = find(&graph, &rules).expect("there are panics, and an idle loop");
         assert!(allowed.ways.is_empty());
         assert_eq!(allowed.exceptions, ["allowed in helper: it is known"]);
-        let rules = Rules { idle: IDLE, allowed: &[], exempt: &[("EXTI4", "it may")] };
-        let exempt = find(&graph, &rules).expect("there are panics, and an idle loop");
-        assert_eq!(exempt.ways, ["firmware::app::idle → helper → core::option::unwrap_failed"]);
-        assert_eq!(exempt.exceptions, ["exempt is EXTI4: it may"]);
     }
 
     #[test]
@@ -182,7 +175,7 @@ mod tests {
         for function in &mut graph.functions[5..] {
             function.names = vec!["other".to_owned()];
         }
-        let outcome = find(&graph, &Rules { idle: IDLE, allowed: &[], exempt: &[] });
+        let outcome = find(&graph, &Rules { idle: IDLE, allowed: &[] });
         assert!(outcome.is_err_and(|error| error.to_string().contains("nothing is checked")));
     }
 }

@@ -15,24 +15,24 @@ use crate::panics;
 use anyhow::{Context, Result, bail};
 use std::collections::BTreeMap;
 
-/// What the processor puts on the stack when an exception begins: 8 registers, 17 of the FPU with
-/// its status, a word to stay free, and up to 4 bytes of alignment (Armv7-M Architecture Reference
-/// Manual, B1.5.7).
+/// Bytes that the processor puts on the stack when an exception begins: 8 registers, 17 of the FPU
+/// with its status, a word to stay free, and up to 4 bytes of alignment (Armv7-M Architecture
+/// Reference Manual, B1.5.7).
 pub const EXCEPTION_FRAME: u32 = 26 * 4 + 4;
 /// Handlers that come on top of every task.
 const FAULT: &str = "HardFault";
 const DEFAULT: &str = "DefaultHandler";
 
-/// What the stack holds at worst.
+/// Stack at worst.
 #[derive(Debug, PartialEq)]
 pub struct WorstStack {
     /// Before the idle loop, interrupts off.
     pub start_up: u32,
     /// The way to the idle loop, and all that it calls.
     pub idle: u32,
-    /// Of each priority, exception frame included, with the deepest task's name.
+    /// Stack of each priority, exception frame included, with the deepest task's name.
     pub tasks: BTreeMap<u32, (u32, String)>,
-    /// Of the fault handler, which comes on top of every task.
+    /// Stack of the fault handler, which comes on top of every task.
     pub fault: u32,
 }
 

@@ -1,4 +1,4 @@
-//! What an ELF image holds: its allocated sections and its symbols, names demangled.
+//! Content of an ELF image: its allocated sections and its symbols, names demangled.
 
 use anyhow::{Context, Result};
 use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SymbolKind, elf};
@@ -10,11 +10,11 @@ pub struct ImageSection {
     pub name: String,
     /// In bytes.
     pub size: u64,
-    /// Whether its content is stored in flash (an initialised `.data` is, `.bss` is not).
+    /// Its content is stored in flash (an initialised `.data` is, `.bss` is not).
     pub stored: bool,
-    /// What is stored.
+    /// Stored bytes.
     pub content: Vec<u8>,
-    /// Whether it can be written, so that it takes RAM.
+    /// It can be written, so that it takes RAM.
     pub writable: bool,
 }
 
@@ -30,9 +30,9 @@ pub struct ImageSymbol {
 
 /// A linked image.
 pub struct Image {
-    /// Those that are allocated and not empty.
+    /// Sections that are allocated and not empty.
     pub sections: Vec<ImageSection>,
-    /// Those that are defined in it.
+    /// Symbols that are defined in it.
     pub symbols: Vec<ImageSymbol>,
 }
 

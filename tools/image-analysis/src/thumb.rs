@@ -1,9 +1,9 @@
-//! What an instruction means for the call graph and for the stack, by the decoder's words for it.
+//! Meaning of an instruction for the call graph and for the stack, by the decoder's words for it.
 
 use anyhow::{Context, Result, bail};
 use std::collections::HashMap;
 
-/// What an instruction does, as far as it matters here.
+/// Effect of an instruction, as far as it matters here.
 #[derive(Debug, PartialEq)]
 pub enum Effect {
     /// Neither leads elsewhere nor takes stack.
@@ -26,15 +26,23 @@ pub type Registers = HashMap<String, u32>;
 const CONDITIONS: [&str; 16] =
     ["eq", "ne", "hs", "cs", "lo", "cc", "mi", "pl", "vs", "vc", "hi", "ls", "ge", "lt", "gt", "le"];
 
-/// Whether a mnemonic is this one, under whatever condition and in whatever width.
+/// Tells whether a mnemonic is this one, under whatever condition and in whatever width.
 fn is(mnemonic: &str, base: &str) -> bool {
     let plain = mnemonic.strip_suffix(".w").or(mnemonic.strip_suffix(".n")).unwrap_or(mnemonic);
     plain.strip_prefix(base).is_some_and(|rest| rest.is_empty() || CONDITIONS.contains(&rest))
 }
 
-/// Whether a mnemonic is one of these, under whatever condition and in whatever width.
+/// Tells whether a mnemonic is one of these, under whatever condition and in whatever width.
 pub fn is_any(mnemonic: &str, bases: &[&str]) -> bool {
     bases.iter().any(|base| is(mnemonic, base))
+}
+
+/// Tells whether an instruction that may branch does so under a condition only.
+pub fn is_conditional(mnemonic: &str) -> bool {
+    let plain = mnemonic.split('.').next().unwrap_or(mnemonic);
+    ["b", "bx", "pop", "ldr", "ldm"]
+        .iter()
+        .any(|base| plain.strip_prefix(base).is_some_and(|rest| CONDITIONS.contains(&rest)))
 }
 
 /// Reads one instruction. `registers` carries what earlier ones have put into registers.

@@ -16,7 +16,7 @@ use anyhow::{Context, Result, bail};
 use std::collections::HashMap;
 use std::io::BufRead;
 
-/// What one run of a kernel took.
+/// Cost of one run of a kernel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cost {
     /// Executed, those of called functions included.
@@ -28,9 +28,9 @@ pub struct Cost {
 /// All runs of a kernel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct KernelTally {
-    /// How often it was run.
+    /// Number of its calls.
     pub calls: u64,
-    /// Of all runs together.
+    /// Instructions of all runs together.
     pub instructions: u64,
     /// The most instructions and the most cycles, not necessarily of the same run.
     pub worst: Cost,
