@@ -28,14 +28,14 @@ pub enum Command {
     Guard(GuardConfig),
     /// Wiring and limits of an element. In standby.
     Element {
-        /// Which, from 0. Those before it have to be configured already.
+        /// Number of the element, from 0. Those before it have to be configured already.
         element: u8,
         /// Its wiring and limits.
         config: ElementConfig,
     },
     /// The diffusive model of an element. In standby, after the sample period.
     Model {
-        /// Which, from 0.
+        /// Number of the element, from 0.
         element: u8,
         /// Mesh, symbol and reference.
         model: SelfHeatingConfig,
@@ -43,9 +43,9 @@ pub enum Command {
     /// Operating mode of an element. At any time except when tripped; takes effect with the next
     /// tick.
     Drive {
-        /// Which, from 0.
+        /// Number of the element, from 0.
         element: u8,
-        /// What.
+        /// Drive.
         drive: Drive,
     },
     /// From standby to running: drives, models and the tick counter start afresh.
@@ -90,9 +90,9 @@ pub enum Command {
     /// Curve, symbols and limits of a MEMS capacitor, which takes the place of an element and the
     /// one after it ([`transducer`](crate::control::transducer)). In standby.
     Capacitor {
-        /// Which, from 0. Those before it have to be configured already.
+        /// Number of the element, from 0. Those before it have to be configured already.
         element: u8,
-        /// What it is.
+        /// Configuration of the capacitor.
         config: CapacitorConfig,
     },
 }

@@ -10,6 +10,15 @@ use crate::fields::FieldVisitor;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Digest(u64);
 
+/// Digests of a run: of all that was decided, and of all that was estimated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct RunDigests {
+    /// Of the controller after each tick.
+    pub control: Digest,
+    /// Of the anemometer after each tick.
+    pub wind: Digest,
+}
+
 impl Default for Digest {
     fn default() -> Self {
         Self(0xcbf2_9ce4_8422_2325)
@@ -20,6 +29,11 @@ impl Digest {
     /// The digest so far.
     pub const fn value(&self) -> u64 {
         self.0
+    }
+
+    /// A digest of which this is the value.
+    pub const fn of_value(value: u64) -> Self {
+        Self(value)
     }
 }
 

@@ -116,7 +116,7 @@ impl Parameter {
     }
 }
 
-/// What is wrong with a value, said as what would be right.
+/// Fault of a value, said as what would be right.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ParameterProblem {
@@ -156,9 +156,9 @@ pub enum ParameterProblem {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[error("`{}` {problem}", parameter.name())]
 pub struct ConfigError {
-    /// Which parameter.
+    /// Parameter.
     pub parameter: Parameter,
-    /// What is wrong with it.
+    /// Fault.
     pub problem: ParameterProblem,
 }
 

@@ -4,7 +4,7 @@
 //! Structs derive it, so that no field can be left out; for enums [`fields`] names the variants,
 //! and one left out does not compile.
 
-/// What is given the words of a value, one after the other.
+/// Visitor that is given the words of a value, one after the other.
 pub(crate) trait FieldVisitor {
     /// Takes one word.
     fn word(&mut self, word: u32);

@@ -13,6 +13,8 @@ pub const MOST_BEATS: u32 = 100;
 pub enum Member {
     /// The control task.
     Control,
+    /// The estimator.
+    Estimate,
     /// The receiver.
     Receive,
     /// The transmitter.
@@ -25,7 +27,7 @@ pub enum Member {
 
 /// Who has checked in since the watchdog was last fed.
 pub struct CheckIns {
-    tasks: [AtomicBool; 3],
+    tasks: [AtomicBool; 4],
     patient: [PatientMember; 2],
 }
 
@@ -54,14 +56,15 @@ impl PatientMember {
 impl CheckIns {
     /// No task yet.
     pub const fn none() -> Self {
-        Self { tasks: [const { AtomicBool::new(false) }; 3], patient: [const { PatientMember::new() }; 2] }
+        Self { tasks: [const { AtomicBool::new(false) }; 4], patient: [const { PatientMember::new() }; 2] }
     }
 
     /// Records that a task has run.
     pub fn check_in(&self, member: Member) {
-        let Self { tasks: [control, receive, transmit], patient: [settings, idle] } = self;
+        let Self { tasks: [control, estimate, receive, transmit], patient: [settings, idle] } = self;
         match member {
             Member::Control => control,
+            Member::Estimate => estimate,
             Member::Receive => receive,
             Member::Transmit => transmit,
             Member::Settings => &settings.anew,
@@ -89,7 +92,7 @@ mod tests {
 
     #[test]
     fn the_watchdog_starves_as_soon_as_one_task_is_silent() {
-        let members = [Member::Control, Member::Receive, Member::Transmit];
+        let members = [Member::Control, Member::Estimate, Member::Receive, Member::Transmit];
         for silent in members {
             let check_ins = CheckIns::none();
             for _ in 0..3 {
@@ -111,7 +114,14 @@ mod tests {
         for silent in [Member::Settings, Member::Idle] {
             let check_ins = CheckIns::none();
             let beat = |is_silent: bool| {
-                let all = [Member::Control, Member::Receive, Member::Transmit, Member::Settings, Member::Idle];
+                let all = [
+                    Member::Control,
+                    Member::Estimate,
+                    Member::Receive,
+                    Member::Transmit,
+                    Member::Settings,
+                    Member::Idle,
+                ];
                 all.iter().filter(|&&member| !is_silent || member != silent).for_each(|&it| check_ins.check_in(it));
                 check_ins.all_anew()
             };

@@ -13,7 +13,6 @@
 //!
 //! An invalid record, after power-on or a bit flip, counts as a first start.
 
-use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 use dr_core::control::{Cause, Lockout};
 use wire::{Crash, CrashKind, Name, ResetCause};
@@ -135,45 +134,6 @@ impl CrashRecord {
     }
 }
 
-/// Passes the cause of a trip from the start, from a proof test, or from a task that may interrupt
-/// the controller's, to the controller. Every value of the word is a valid trip or none, so that a
-/// flipped bit causes another trip at most.
-pub struct CrashTrip(AtomicU32);
-
-impl CrashTrip {
-    /// No trip.
-    pub const fn none() -> Self {
-        Self(AtomicU32::new(0))
-    }
-
-    /// Sets the cause.
-    pub fn put(&self, cause: Cause) {
-        self.0.store(cause as u32 + 1, Relaxed);
-    }
-
-    /// Whether there is a cause that has not been taken.
-    pub fn waits(&self) -> bool {
-        self.0.load(Relaxed) != 0
-    }
-
-    /// Takes the cause; it is returned once.
-    pub fn take(&self) -> Option<Cause> {
-        let word = self.0.load(Relaxed).checked_sub(1)?;
-        self.0.store(0, Relaxed);
-        let known = [
-            Cause::Panic,
-            Cause::Fault,
-            Cause::Watchdog,
-            Cause::BrownOut,
-            Cause::Memory,
-            Cause::Clock,
-            Cause::ProofTest,
-            Cause::Restart,
-        ];
-        Some(known.into_iter().find(|&cause| cause as u32 == word).unwrap_or(Cause::BitFlip))
-    }
-}
-
 /// The end of a path, as long as the record has room.
 pub fn end_of(path: &str) -> Name {
     let mut from = path.len().saturating_sub(Name::new().capacity());
@@ -196,22 +156,6 @@ mod tests {
     fn past() -> CrashRecord {
         let file = end_of("/some/where/far/down/in/a/folder/dr-core/src/control/drive.rs");
         CrashRecord { starts: 7, crash: Some(Crash { kind: CrashKind::Panic, file, at: 1234 }), requested: true }
-    }
-
-    #[test]
-    fn a_trip_is_handed_over_once_and_a_flipped_bit_makes_it_another() {
-        let trip = CrashTrip::none();
-        assert_eq!(trip.take(), None);
-        for cause in [Cause::Panic, Cause::Fault, Cause::Watchdog, Cause::BrownOut, Cause::Memory, Cause::ProofTest] {
-            trip.put(cause);
-            assert!(trip.waits());
-            assert_eq!([trip.take(), trip.take()], [Some(cause), None]);
-            assert!(!trip.waits());
-        }
-        for bit in 0..32 {
-            let flipped = CrashTrip(AtomicU32::new(1 << bit));
-            assert!(flipped.take().is_some() && flipped.take().is_none());
-        }
     }
 
     #[test]

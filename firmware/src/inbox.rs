@@ -6,11 +6,15 @@
 use crate::queue;
 use core::sync::atomic::{AtomicBool, AtomicU16, Ordering::Relaxed};
 use dr_core::Command;
+use dr_core::control::Refusal;
 use heapless::spsc::Producer;
 use wire::{Provocation, Readings, Received, SettingsRequest, ToBoard};
 
 /// A command and the sequence number by which its reply refers to it.
 pub type Request = (u16, Command);
+
+/// Result of a command of the settings loader.
+pub type Outcome = Result<(), Refusal>;
 
 /// Readings and the sequence number by which the reply refers to them.
 pub type Exchange = (u16, Readings);

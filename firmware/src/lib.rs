@@ -9,12 +9,16 @@
 
 pub mod azimuth;
 pub mod check_ins;
+pub mod control_loop;
 pub mod crash_record;
 pub mod cut_off;
 pub mod dead_man;
 pub mod drivers;
+pub mod estimates;
 pub mod inbox;
+pub mod interlock;
 pub mod outbox;
+pub mod phase;
 pub mod proof;
 pub mod queue;
 pub mod settings;

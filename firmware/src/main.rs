@@ -1,15 +1,15 @@
-//! The instrument's application: five tasks around one controller.
+//! The instrument's application: tasks around a decider and an estimator.
 //!
 //! ```text
-//! front end ──► control ──► outbox ──► transmit ──► host
-//!                  ▲                                 │
-//!                  ├───── inbox ◄──── receive ◄──────┘        health: watchdog, status
-//!            serve_settings ◄┘                         serve_settings: settings in flash
+//! front end ──► control ──► estimate ──► outbox ──► transmit ──► host
+//!                  ▲  └────────────────────┘                      │
+//!                  ├───── inbox ◄──── receive ◄───────────────────┘        health: watchdog, status
+//!            serve_settings ◄┘                                     serve_settings: settings in flash
 //! ```
 //!
 //! The front end drives everything: a reading raises the vector of `control`, on the sensor board
 //! by the ADC's data-ready line, on the virtual board by a frame. What the boards do not share is
-//! in [`board`].
+//! in [`board`]; what the tasks do, as far as it needs no hardware, is in the library, with tests.
 #![no_std]
 #![no_main]
 // Start-up may panic; the reasons are given there. `cargo xtask safety` checks the rest in the
@@ -31,24 +31,25 @@ use defmt as _;
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [])]
 mod app {
     use super::board::{self, ELEMENTS, FrontEnd, HostReceiver, HostTransmitter, Idler};
-    use super::settings_loader::{Outcome, SettingsLoader};
+    use super::settings_loader::SettingsLoader;
     use super::vitals::{self, CHECK_INS, Health, LoggedWind};
-    use super::{crash_memory, halt, ticking};
-    use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
-    use dr_core::control::{Cause, Lockout, LockoutWords, Margins, Refusal, RunState, TripHistory};
-    use dr_core::{Command, Instrument};
+    use super::{halt, ticking};
+    #[cfg(feature = "sensor-board")]
+    use dr_core::control::Cause;
+    use dr_core::{Command, Digest};
     use firmware::check_ins::Member;
-    use firmware::crash_record::CrashTrip;
-    use firmware::cut_off::CutOff;
-    use firmware::inbox::{Exchange, Inbox, Request, SettingsJob, TelemetryRequests, Wake};
-    use firmware::outbox::{Outbox, Sequence, Unsent};
+    use firmware::control_loop::{ControlLinks, ControlLoop, ControlShared};
+    use firmware::estimates::{self, EstimateJob, EstimateLoop, Estimates};
+    use firmware::inbox::{Exchange, Inbox, Outcome, Request, SettingsJob, TelemetryRequests, Wake};
+    use firmware::interlock::Interlock;
+    use firmware::outbox::{Outbox, Sequence};
+    use firmware::phase::Phase;
     use firmware::queue;
-    use firmware::settings::{PendingFindings, SettingsServer, StandbyLock};
+    use firmware::settings::{PendingFindings, SettingsServer};
     use heapless::spsc::{Consumer, Producer, Queue};
-    use rtic::Mutex;
     use stm32f4xx_hal::pac::Interrupt;
     use wire::{
-        Event, FromBoard, LinkCounters, List, MAX_FRAME, Receiver, SettingsAnswer, SettingsRefusal, SettingsRequest,
+        ControlStatus, FromBoard, LinkCounters, MAX_FRAME, Receiver, SettingsAnswer, SettingsRefusal, SettingsRequest,
         ToBoard, encode,
     };
 
@@ -62,7 +63,9 @@ mod app {
     /// when it is polled behind its end, which RTIC's executor does not do and the compiler cannot
     /// see.
     const TRANSMIT: Interrupt = Interrupt::SPI3;
-    /// The vector of `serve_settings`, of a peripheral that no board uses either.
+    /// The vector of `estimate`, of a peripheral that no board uses either.
+    const ESTIMATE: Interrupt = Interrupt::UART5;
+    /// The vector of `serve_settings`, likewise.
     const SETTINGS: Interrupt = Interrupt::SPI2;
 
     /// The vector of the dead-man timer. On the sensor board the timer raises it.
@@ -72,72 +75,36 @@ mod app {
     /// sample.
     const TELEMETRY_SLOTS: usize = 32;
 
-    /// The platinum is to lose its supply.
-    static CUT: AtomicBool = AtomicBool::new(false);
+    static INTERLOCK: Interlock = Interlock::new();
+    static PHASE: Phase = Phase::starting();
     static TELEMETRY_REQUESTS: TelemetryRequests = TelemetryRequests::starting();
-    static UNSENT: Unsent = Unsent::none();
-    static LATE_TICKS: AtomicU32 = AtomicU32::new(0);
-    static LOST_CONVERSIONS: AtomicU32 = AtomicU32::new(0);
-    static CONTROL_CYCLES_MAX: AtomicU32 = AtomicU32::new(0);
-    static TICK_CYCLES: AtomicU32 = AtomicU32::new(0);
-    /// The dead-man timer has expired, and the controller has not tripped yet.
-    static OUTPUT_TIMED_OUT: AtomicBool = AtomicBool::new(false);
-    /// Sequence number of a `Stop`, and in the upper half its complement; 0 if there is none. A bit
-    /// that flips makes none.
-    static STOP: AtomicU32 = AtomicU32::new(0);
-    static DEADLINES: AtomicU32 = AtomicU32::new(0);
-    /// The dead-man timer is to be proved, as soon as all heaters are low.
-    static PROOF_IS_DUE: AtomicBool = AtomicBool::new(true);
-    static FLIPPABLE: AtomicU32 = AtomicU32::new(0);
-    static ARMED: AtomicBool = AtomicBool::new(false);
-    /// The crash of an earlier start has been acknowledged.
-    static ACKNOWLEDGED: AtomicBool = AtomicBool::new(false);
-    /// Trip for the end of the last run of the firmware, for a failed proof test or a falling
-    /// supply, until the controller has taken it.
-    static CRASH_TRIP: CrashTrip = CrashTrip::none();
-    static STANDBY_LOCK: StandbyLock = StandbyLock::starting();
-    /// `serve_settings` must set the instrument up before anything else; true after a start.
-    static SET_UP: AtomicBool = AtomicBool::new(true);
-    /// A host has sent a frame since the last run of control.
-    static HOST_HEARD: AtomicBool = AtomicBool::new(false);
-    /// The instrument has been set up.
-    static IS_SET_UP: AtomicBool = AtomicBool::new(false);
 
     #[shared]
     struct Shared {
         inbox: Inbox<'static>,
+        outbox: Outbox<'static>,
+        outcomes: Producer<'static, Outcome>,
         host_counters: LinkCounters,
         status: Option<wire::Status>,
         /// Findings of the last self-test that are not stored yet.
         findings: PendingFindings,
-        /// Of each element, to the levels. The health task copies them once a second, some 200
-        /// bytes, for which the control task waits a microsecond.
-        margins: List<Option<Margins>>,
-        /// Trips so far, for the status.
-        history: TripHistory,
+        /// As it was after the last run of control. The health task copies it once a second, some
+        /// 250 bytes, for which the control task waits a microsecond.
+        control_status: ControlStatus,
+        /// What the last estimated tick has left: the digest, and whether the host gets an estimate.
+        estimated: (Digest, bool),
         /// The last wind estimate, for the log.
         wind: Option<LoggedWind>,
-        /// As it was after the last run of control.
-        run_state: RunState,
     }
 
     #[local]
     struct Local {
-        instrument: Instrument<ELEMENTS>,
-        /// As the last start left it, until the instrument has it. Not given to it at the start,
-        /// where the stack would hold the instrument more than once.
-        lockout_before: Option<Lockout>,
-        /// The trip counter as RAM keeps it across a reset.
-        kept_lockout: LockoutWords,
-        front_end: FrontEnd,
-        requests: Consumer<'static, Request>,
-        orders: Consumer<'static, Command>,
-        outcomes: Producer<'static, Outcome>,
+        control: ControlLoop<'static, FrontEnd, ELEMENTS>,
+        estimator: EstimateLoop<'static, ELEMENTS>,
         loader: SettingsLoader,
         jobs: Consumer<'static, SettingsJob>,
         answers: Producer<'static, SettingsAnswer>,
         answered: Consumer<'static, SettingsAnswer>,
-        outbox: Outbox<'static>,
         messages: Consumer<'static, FromBoard>,
         host_receiver: HostReceiver,
         host_transmitter: HostTransmitter,
@@ -149,6 +116,7 @@ mod app {
     #[init(local = [
         request_queue: Queue<Request, 8> = Queue::new(),
         exchange_queue: Queue<Exchange, 4> = Queue::new(),
+        estimate_queue: Queue<EstimateJob<ELEMENTS>, { estimates::SLOTS }> = Queue::new(),
         order_queue: Queue<Command, 2> = Queue::new(),
         outcome_queue: Queue<Outcome, 2> = Queue::new(),
         job_queue: Queue<SettingsJob, 3> = Queue::new(),
@@ -158,6 +126,7 @@ mod app {
     fn init(cx: init::Context) -> (Shared, Local) {
         let (request_in, requests) = cx.local.request_queue.split();
         let (exchange_in, exchanges) = cx.local.exchange_queue.split();
+        let (estimate_in, estimates) = cx.local.estimate_queue.split();
         let (message_in, messages) = cx.local.telemetry_queue.split();
         let (order_in, orders) = cx.local.order_queue.split();
         let (outcome_in, outcomes) = cx.local.outcome_queue.split();
@@ -170,8 +139,8 @@ mod app {
         defmt::info!("{=str} on the {} board, started by {}", vitals::NAME, board::NAME, board::reset_name(reset));
         let lockout = halt::lockout_after(reset, &past);
         if let Some(cause) = past.trip(reset) {
-            CRASH_TRIP.put(cause);
-            STANDBY_LOCK.standby(false);
+            INTERLOCK.trip(cause);
+            PHASE.lock.standby(false);
         }
         let identity = vitals::identity(reset, past);
         // The identity goes first: a host that was connected before the reset must notice the
@@ -179,30 +148,33 @@ mod app {
         rtic::pend(TRANSMIT);
         // Before any command of the host is carried out: they wait until the instrument is set up.
         rtic::pend(SETTINGS);
+        let links = ControlLinks {
+            requests,
+            orders,
+            estimates: Estimates::new(estimate_in),
+            interlock: &INTERLOCK,
+            phase: &PHASE,
+            telemetry: &TELEMETRY_REQUESTS,
+        };
         (
             Shared {
                 inbox: Inbox::new(request_in, exchange_in, job_in, &TELEMETRY_REQUESTS, board::IS_VIRTUAL),
+                outbox: Outbox::new(message_in),
+                outcomes: outcome_in,
                 host_counters: LinkCounters::default(),
                 status: None,
                 findings: PendingFindings::of(&identity),
-                margins: List::new(),
-                history: lockout.history(),
+                control_status: ControlStatus { history: lockout.history(), ..ControlStatus::default() },
+                estimated: (Digest::default(), false),
                 wind: None,
-                run_state: RunState::Standby,
             },
             Local {
-                instrument: Instrument::new(&board::HARDWARE_LIMITS),
-                lockout_before: Some(lockout),
-                kept_lockout: lockout.words(),
-                front_end: parts.front_end,
-                requests,
-                orders,
-                outcomes: outcome_in,
+                control: ControlLoop::new(&board::HARDWARE_LIMITS, lockout, parts.front_end, links),
+                estimator: EstimateLoop::new(estimates, &TELEMETRY_REQUESTS),
                 loader: SettingsLoader::new(SettingsServer::new(parts.settings), order_in, outcomes),
                 jobs,
                 answers: answer_in,
                 answered,
-                outbox: Outbox::new(message_in, &UNSENT),
                 messages,
                 host_receiver: parts.host_receiver,
                 host_transmitter: parts.host_transmitter,
@@ -215,29 +187,24 @@ mod app {
 
     /// Proves the dead-man timer when that is due, tests clock and memories, and sleeps until an
     /// interrupt. The virtual board waits for its host here and passes on the bytes received.
-    #[idle(local = [idler, bench: Receiver = Receiver::new()], shared = [inbox, findings])]
+    #[idle(local = [idler, bench: Receiver = Receiver::new()], shared = [inbox, control_status])]
     // Under its own name in the image, where `cargo xtask safety` looks for it: what runs before it
     // is start-up.
     #[inline(never)]
     fn idle(mut cx: idle::Context) -> ! {
         loop {
             CHECK_INS.check_in(Member::Idle);
-            if PROOF_IS_DUE.load(Relaxed) {
+            PHASE.prove(|| {
                 // Of what control uses, so that control waits, and the dead-man timer does not.
-                cx.shared.findings.lock(|_| {
-                    let (has_timed_out, deadlines) = (OUTPUT_TIMED_OUT.load(Relaxed), DEADLINES.load(Relaxed));
-                    PROOF_IS_DUE.store(!cx.local.idler.prove_dead_man(), Relaxed);
-                    OUTPUT_TIMED_OUT.store(has_timed_out, Relaxed);
-                    DEADLINES.store(deadlines, Relaxed);
-                });
-            }
+                cx.shared.control_status.lock(|_| INTERLOCK.prove(|| cx.local.idler.prove_dead_man()))
+            });
             if let Some(cause) = cx.local.idler.check() {
-                CRASH_TRIP.put(cause);
+                INTERLOCK.trip(cause);
                 rtic::pend(CONTROL);
             }
             for &byte in cx.local.idler.wait() {
                 if let Some(received) = cx.local.bench.push::<ToBoard>(byte) {
-                    HOST_HEARD.store(true, Relaxed);
+                    PHASE.hear_host();
                     wake(cx.shared.inbox.lock(|inbox| inbox.accept(&received)));
                 }
             }
@@ -251,8 +218,7 @@ mod app {
     fn dead_man(_: dead_man::Context) {
         board::heaters_low();
         board::acknowledge_dead_man();
-        OUTPUT_TIMED_OUT.store(true, Relaxed);
-        DEADLINES.store(DEADLINES.load(Relaxed).wrapping_add(1), Relaxed);
+        INTERLOCK.expire();
     }
 
     /// The supply falls: brown-out and reset may follow. Priority 6, as the dead-man timer. Raised
@@ -262,209 +228,80 @@ mod app {
     fn supply_low(_: supply_low::Context) {
         board::heaters_low();
         board::acknowledge_supply();
-        CRASH_TRIP.put(Cause::BrownOut);
+        INTERLOCK.trip(Cause::BrownOut);
         rtic::pend(CONTROL);
     }
 
-    /// Owns the instrument: controller and anemometer. Priority 5: only the dead-man timer and a
-    /// falling supply interrupt a decision.
+    /// Owns the decider ([`ControlLoop`]). Priority 5: only the dead-man timer and a falling supply
+    /// interrupt a decision.
     ///
     /// Deadline: the next reading; on the sensor board the next conversion, which would otherwise
     /// still see the old levels. A missed deadline counts as a late tick; the heaters keep their
     /// levels until this tick is through, at most for two ticks: then the dead-man timer lowers
     /// them, and this task trips. Never logs, never waits: replies and samples go into a queue, and
-    /// what does not fit is dropped and counted.
-    #[task(binds = EXTI4, priority = 5, local = [instrument, lockout_before, kept_lockout, front_end, requests, orders, outcomes, outbox, cut_off: CutOff = CutOff::open()], shared = [findings, margins, history, wind, run_state])]
-    fn control(mut cx: control::Context) {
-        let control::LocalResources {
-            instrument,
-            lockout_before,
-            kept_lockout,
-            front_end,
-            requests,
-            orders,
-            outcomes,
-            outbox,
-            cut_off,
-            ..
-        } = cx.local;
-        let mut started = board::cycles();
+    /// what does not fit is dropped and counted. What it shares no other task of its priority has,
+    /// so that its locks cost nothing.
+    #[task(binds = EXTI4, priority = 5, local = [control], shared = [outbox, outcomes, findings, control_status, estimated])]
+    fn control(cx: control::Context) {
         CHECK_INS.check_in(Member::Control);
-        // Before any trip and any command.
-        if let Some(lockout) = lockout_before.take() {
-            instrument.restore_lockout(lockout);
-            instrument.expect_host();
-        }
-        if let Some(cause) = CRASH_TRIP.take() {
-            instrument.trip(cause);
-        }
-        if HOST_HEARD.load(Relaxed) {
-            HOST_HEARD.store(false, Relaxed);
-            instrument.host_heard();
-        }
-        if matches!(instrument.controller().state(), RunState::Running | RunState::Testing) {
-            // Nothing holds the lock while the instrument runs; a flipped bit in it must not block
-            // `Stop`.
-            STANDBY_LOCK.give_back();
-        }
-        while let Some(command) = orders.dequeue() {
-            // It has room for one, and the loader takes each outcome before its next order.
-            let result = handle(instrument, front_end, &mut cx.shared.margins, command);
-            queue::put(outcomes, result.map(drop)).ok();
-        }
-        let stop = STOP.swap(0, Relaxed);
-        let sequence = stop as u16;
-        if stop == stop_word(sequence) {
-            // What waited is void: nothing starts behind it.
-            while let Some((to, _)) = requests.dequeue() {
-                outbox.put(FromBoard::Reply { to, result: Err(Refusal::Stopped) });
+        let control::SharedResources { outbox, outcomes, findings, control_status, estimated, .. } = cx.shared;
+        let woken = (outbox, outcomes, findings, control_status, estimated).lock(
+            |outbox, outcomes, findings, status, estimated| {
+                cx.local.control.run(&mut ControlShared { outbox, outcomes, findings, status, estimated: *estimated })
+            },
+        );
+        for (is_woken, vector) in [(woken.transmit, TRANSMIT), (woken.estimate, ESTIMATE), (woken.settings, SETTINGS)] {
+            if is_woken {
+                rtic::pend(vector);
             }
-            let result = handle(instrument, front_end, &mut cx.shared.margins, Command::Stop);
-            outbox.put(FromBoard::Reply { to: sequence, result });
         }
-        // While settings are written or loaded, the host's commands wait: nothing starts then.
-        while !STANDBY_LOCK.is_taken()
-            && let Some((sequence, command)) = requests.dequeue()
-        {
-            let result = handle(instrument, front_end, &mut cx.shared.margins, command);
-            outbox.put(FromBoard::Reply { to: sequence, result });
-        }
+    }
 
-        // One tick or none; several if the front end was silent.
-        while let Some(readings) = front_end.poll() {
-            // Before the reasons for which others have lowered them.
-            let held = front_end.holds_levels();
-            if OUTPUT_TIMED_OUT.load(Relaxed) {
-                OUTPUT_TIMED_OUT.store(false, Relaxed);
-                instrument.trip(Cause::Deadline);
+    /// Estimates the wind of the ticks that control has decided ([`EstimateLoop`]), and answers the
+    /// commands that concern it. Priority 2, below the links: the wind decides nothing. As many
+    /// ticks may wait as the queue has room for; one that finds it full is lost and counted, and the
+    /// estimate is starting anew.
+    #[task(binds = UART5, priority = 2, local = [estimator], shared = [outbox, outcomes, estimated, wind])]
+    fn estimate(mut cx: estimate::Context) {
+        CHECK_INS.check_in(Member::Estimate);
+        while let Some(outcome) = cx.local.estimator.estimate_one() {
+            if board::IS_VIRTUAL {
+                let has_wind = matches!(outcome.to_host, Some(FromBoard::Wind(_)));
+                let digest = cx.local.estimator.digest(outcome.wind.as_ref());
+                cx.shared.estimated.lock(|estimated| *estimated = (digest, has_wind));
             }
-            if !held && !CRASH_TRIP.waits() {
-                instrument.trip(Cause::Heater);
-            }
-            let tick = instrument.tick(&readings);
-            // The heaters first: the wind decides nothing.
-            let applied = front_end.apply(&tick);
-            // If the timer has expired since, these levels are too old; the next tick trips. If the
-            // supply has fallen since, this task is pending again, and trips then. Either may have
-            // lowered a pin while it was raised, which is no fault of the pin.
-            if OUTPUT_TIMED_OUT.load(Relaxed) || CRASH_TRIP.waits() {
-                board::heaters_low();
-            } else if !applied {
-                instrument.trip(Cause::Heater);
-            }
-            let tripped = matches!(tick.state, RunState::Tripped(_));
-            CUT.store(cut_off.judge(tripped, &readings), Relaxed);
-            front_end.select(instrument.input());
-            let wind = instrument.sense(&tick);
-            if let Some(wind) = &wind {
+            if let Some(wind) = &outcome.wind {
                 cx.shared.wind.lock(|last| *last = Some(LoggedWind::of(wind)));
             }
-            if let Some(test) = instrument.take_self_test() {
-                test.findings().iter().for_each(|finding| outbox.put(FromBoard::Tested(*finding)));
-                cx.shared.findings.lock(|findings| findings.take(test.unix_s(), test.findings()));
-                rtic::pend(SETTINGS);
+            if outcome.has_flipped {
+                INTERLOCK.trip(dr_core::control::Cause::BitFlip);
+                rtic::pend(CONTROL);
             }
-            if let Some(reply) = front_end.reply(instrument, &tick, wind.as_ref()) {
-                outbox.put(reply);
+            if let Some(message) = outcome.to_host {
+                cx.shared.outbox.lock(|outbox| outbox.put(message));
+                rtic::pend(TRANSMIT);
             }
-            if TELEMETRY_REQUESTS.wants_sample(tick.tick) {
-                outbox.put(FromBoard::of_tick(&tick, wind.as_ref()));
+            if let Some(result) = outcome.to_loader {
+                cx.shared.outcomes.lock(|outcomes| queue::put(outcomes, result)).ok();
             }
-            if front_end.overran() {
-                LATE_TICKS.store(LATE_TICKS.load(Relaxed).wrapping_add(1), Relaxed);
-            }
-            let ended = board::cycles();
-            let cycles = ended.wrapping_sub(started);
-            CONTROL_CYCLES_MAX.store(CONTROL_CYCLES_MAX.load(Relaxed).max(cycles), Relaxed);
-            started = ended;
+            cx.local.estimator.done();
         }
-
-        if let Some(cause) = front_end.take_fault() {
-            board::heaters_low();
-            instrument.trip(cause);
-        }
-        if let Some(reply) = front_end.reply_to_silence() {
-            outbox.put(reply);
-        }
-        LOST_CONVERSIONS.store(front_end.lost_conversions(), Relaxed);
-        FLIPPABLE.store(instrument.controller().bit_flips(), Relaxed);
-        ARMED.store(instrument.controller().is_armed(), Relaxed);
-
-        let lockout = instrument.controller().lockout();
-        if lockout.words() != *kept_lockout {
-            // Once a second, and with each trip.
-            *kept_lockout = lockout.words();
-            crash_memory::write_lockout(kept_lockout);
-            cx.shared.history.lock(|history| *history = lockout.history());
-        }
-        let state = instrument.controller().state();
-        STANDBY_LOCK.standby(state == RunState::Standby);
-        if cx.shared.run_state.lock(|last| core::mem::replace(last, state)) != state {
-            outbox.put(FromBoard::Event(Event { tick: instrument.controller().ticks(), state }));
-        }
-        if outbox.waits() {
-            rtic::pend(TRANSMIT);
+        if board::IS_VIRTUAL {
+            // Its front end gets a reply when all is estimated.
+            rtic::pend(CONTROL);
         }
     }
 
-    /// A `Stop` of this number, on its way to the controller.
-    const fn stop_word(sequence: u16) -> u32 {
-        sequence as u32 | (!sequence as u32) << 16
-    }
-
-    /// Carries out a command, and passes on what the front end needs of it.
-    fn handle(
-        instrument: &mut Instrument<ELEMENTS>,
-        front_end: &mut FrontEnd,
-        margins: &mut impl Mutex<T = List<Option<Margins>>>,
-        command: Command,
-    ) -> Result<dr_core::Reply, Refusal> {
-        if let (Command::SamplePeriod { sample_period_s }, RunState::Standby) =
-            (command, instrument.controller().state())
-        {
-            front_end.set_sample_period(sample_period_s).map_err(|error| Refusal::Invalid { element: None, error })?;
-            TICK_CYCLES.store((sample_period_s * board::CLOCK_HZ as f32) as u32, Relaxed);
-        }
-        let is_lowered = matches!(command, Command::Stop) && front_end.lower();
-        let reply = instrument.handle(command)?;
-        if is_lowered {
-            instrument.lowered();
-        }
-        margins.lock(|margins| {
-            margins.clear();
-            for of_element in instrument.controller().margins() {
-                margins.push(of_element).ok();
-            }
-        });
-        match command {
-            // Not before: a start that is refused must not disturb the run.
-            Command::Start => front_end.restart(),
-            Command::SelfTest(_) => PROOF_IS_DUE.store(true, Relaxed),
-            Command::Acknowledge => {
-                halt::acknowledge();
-                ACKNOWLEDGED.store(true, Relaxed);
-                if !IS_SET_UP.load(Relaxed) || instrument.controller().sample_period_s().is_none() {
-                    // It has not been set up yet, or a bit flip has cleared its settings.
-                    STANDBY_LOCK.take();
-                    SET_UP.store(true, Relaxed);
-                    rtic::pend(SETTINGS);
-                }
-            }
-            _ => {}
-        }
-        Ok(reply)
-    }
-
-    /// Takes the host's bytes. Priority 3; bytes wait in the receiver's buffer meanwhile (5.5 ms of
+    /// Takes the host's bytes. Priority 4; bytes wait in the receiver's buffer meanwhile (5.5 ms of
     /// them on the sensor board), and those that come later still are lost, which their frame's
     /// checksum shows.
-    #[task(binds = USART2, priority = 3, local = [host_receiver, link: Receiver = Receiver::new()], shared = [inbox, host_counters])]
+    #[task(binds = USART2, priority = 4, local = [host_receiver, link: Receiver = Receiver::new()], shared = [inbox, host_counters])]
     fn receive(mut cx: receive::Context) {
         CHECK_INS.check_in(Member::Receive);
         let foreign = cx.local.link.counters().foreign;
         while let Some(byte) = cx.local.host_receiver.read() {
             if let Some(received) = cx.local.link.push::<ToBoard>(byte) {
-                HOST_HEARD.store(true, Relaxed);
+                PHASE.hear_host();
                 wake(cx.shared.inbox.lock(|inbox| inbox.accept(&received)));
             }
         }
@@ -483,30 +320,30 @@ mod app {
         cx.shared.host_counters.lock(|counters| *counters = cx.local.link.counters());
     }
 
-    /// Takes the simulated front end's bytes. Priority 4: a reading comes before a command.
+    /// Takes the simulated front end's bytes. Priority 4, as `receive`.
     #[cfg(feature = "virtual-board")]
     #[task(binds = USART1, priority = 4, local = [bench: Receiver = Receiver::new()], shared = [inbox])]
     fn bench(mut cx: bench::Context) {
         while let Some(byte) = board::read_bench_byte() {
             if let Some(received) = cx.local.bench.push::<ToBoard>(byte) {
-                HOST_HEARD.store(true, Relaxed);
+                PHASE.hear_host();
                 wake(cx.shared.inbox.lock(|inbox| inbox.accept(&received)));
             }
         }
     }
 
-    /// Sends what waits. Priority 2; 31 messages may wait meanwhile, and what finds it full is
+    /// Sends what waits. Priority 3; 31 messages may wait meanwhile, and what finds it full is
     /// counted.
-    #[task(binds = SPI3, priority = 2, local = [messages, answered, host_transmitter, identity, sequence: Sequence = Sequence::new()], shared = [status])]
+    #[task(binds = SPI3, priority = 3, local = [messages, answered, host_transmitter, identity, sequence: Sequence = Sequence::new()], shared = [status, outbox])]
     fn transmit(mut cx: transmit::Context) {
         let transmit::LocalResources { messages, answered, host_transmitter, identity, sequence, .. } = cx.local;
         if host_transmitter.is_well() {
             CHECK_INS.check_in(Member::Transmit);
         }
         while host_transmitter.is_free() {
-            let mut number = || sequence.next(UNSENT.count());
+            let mut number = || sequence.next(cx.shared.outbox.lock(|outbox| outbox.unsent()));
             if TELEMETRY_REQUESTS.take_identity() {
-                if ACKNOWLEDGED.load(Relaxed) {
+                if PHASE.is_acknowledged() {
                     identity.crash = None;
                 }
                 transmit_one(host_transmitter, number(), &FromBoard::Identity(identity.clone()));
@@ -542,33 +379,23 @@ mod app {
         let serve_settings::LocalResources { loader, jobs, answers, .. } = cx.local;
         loop {
             CHECK_INS.check_in(Member::Settings);
-            if SET_UP.load(Relaxed) {
-                SET_UP.store(false, Relaxed);
+            if PHASE.take_set_up() {
                 set_up(loader);
             }
-            while STANDBY_LOCK.try_take() {
-                let record = cx.shared.findings.lock(PendingFindings::take_one);
-                if let Some(record) = &record {
-                    loader.server.keep(record);
+            if PHASE.lock.try_take() {
+                if let Some(test) = cx.shared.findings.lock(PendingFindings::take) {
+                    loader.server.keep(&test);
                 }
                 resume();
-                if record.is_none() {
-                    break;
-                }
             }
             let Some((to, request)) = jobs.dequeue() else { break };
-            // Reading needs the lock as well: the settings store may panic, which must not happen
-            // with a heater high.
-            let answer = if STANDBY_LOCK.try_take() {
+            let answer = if PHASE.lock.try_take() {
                 if request == SettingsRequest::Load {
                     set_up(loader);
                 }
-                if request == SettingsRequest::EraseAll {
-                    loader.server.start_anew(board::settings_flash);
-                }
                 let answer = loader.server.answer(to, &request);
                 resume();
-                let left_undone = request == SettingsRequest::Load && !IS_SET_UP.load(Relaxed);
+                let left_undone = request == SettingsRequest::Load && !PHASE.is_set_up();
                 if left_undone { SettingsAnswer { to, result: Err(SettingsRefusal::NotInStandby) } } else { answer }
             } else {
                 SettingsAnswer { to, result: Err(SettingsRefusal::NotInStandby) }
@@ -580,40 +407,30 @@ mod app {
     }
 
     fn set_up(loader: &mut SettingsLoader) {
-        let done = loader.set_up(&STANDBY_LOCK, &TELEMETRY_REQUESTS, || rtic::pend(CONTROL));
-        IS_SET_UP.store(done, Relaxed);
+        let done = loader.set_up(&PHASE.lock, &TELEMETRY_REQUESTS, || rtic::pend(CONTROL));
+        PHASE.set_up(done);
         resume();
     }
 
     /// The host's commands go on.
     fn resume() {
-        STANDBY_LOCK.give_back();
+        PHASE.lock.give_back();
         rtic::pend(CONTROL);
     }
 
     /// Twenty times a second: feeds the watchdog if every task has checked in, and clears the
-    /// check-ins. Once a second: status. Priority 2; late by more than the watchdog's half second
+    /// check-ins. Once a second: status. Priority 3; late by more than the watchdog's half second
     /// resets the board.
-    #[task(binds = SysTick, priority = 2, local = [health], shared = [status, host_counters, inbox, margins, history, wind, run_state])]
+    #[task(binds = SysTick, priority = 3, local = [health], shared = [status, host_counters, inbox, outbox, control_status, wind])]
     fn health(mut cx: health::Context) {
-        if cx.local.health.beat(CUT.load(Relaxed)) {
-            let link = cx.shared.host_counters.lock(|counters| *counters);
-            let refused = cx.shared.inbox.lock(|inbox| inbox.refused);
+        if cx.local.health.beat(INTERLOCK.is_cut()) {
             let status = wire::Status {
                 uptime_s: cx.local.health.uptime_s(),
-                link,
-                refused,
-                unsent: UNSENT.count(),
-                late_ticks: LATE_TICKS.load(Relaxed),
-                lost_conversions: LOST_CONVERSIONS.load(Relaxed),
-                deadlines: DEADLINES.load(Relaxed),
-                bit_flips: FLIPPABLE.load(Relaxed),
-                armed: ARMED.load(Relaxed),
-                control_cycles_max: CONTROL_CYCLES_MAX.load(Relaxed),
-                tick_cycles: TICK_CYCLES.load(Relaxed),
-                margins: cx.shared.margins.lock(|margins| margins.clone()),
-                history: cx.shared.history.lock(|history| *history),
-                state: cx.shared.run_state.lock(|state| *state),
+                link: cx.shared.host_counters.lock(|counters| *counters),
+                refused: cx.shared.inbox.lock(|inbox| inbox.refused),
+                unsent: cx.shared.outbox.lock(|outbox| outbox.unsent()),
+                deadlines: INTERLOCK.deadlines(),
+                control: cx.shared.control_status.lock(|status| status.clone()),
             };
             cx.shared.status.lock(|slot| *slot = Some(status));
             if let Some(wind) = cx.shared.wind.lock(Option::take) {
@@ -627,22 +444,23 @@ mod app {
         rtic::pend(CONTROL);
         rtic::pend(RECEIVE);
         rtic::pend(TRANSMIT);
+        rtic::pend(ESTIMATE);
         rtic::pend(SETTINGS);
     }
 
     /// Half of the sensor board's receive buffer is full, and the host is still speaking. Priority
-    /// 3, as `receive`.
+    /// 4, as `receive`.
     #[cfg(feature = "sensor-board")]
-    #[task(binds = DMA1_STREAM5, priority = 3)]
+    #[task(binds = DMA1_STREAM5, priority = 4)]
     fn filled(_: filled::Context) {
         board::acknowledge_received();
         rtic::pend(RECEIVE);
     }
 
-    /// The sensor board's transmitter has sent its frame: there may be more. Priority 2, as
+    /// The sensor board's transmitter has sent its frame: there may be more. Priority 3, as
     /// `transmit`.
     #[cfg(feature = "sensor-board")]
-    #[task(binds = DMA1_STREAM6, priority = 2)]
+    #[task(binds = DMA1_STREAM6, priority = 3)]
     fn sent(_: sent::Context) {
         board::acknowledge_sent();
         rtic::pend(TRANSMIT);
@@ -652,7 +470,7 @@ mod app {
         match who {
             Wake::Control => rtic::pend(CONTROL),
             Wake::Stop(sequence) => {
-                STOP.store(stop_word(sequence), Relaxed);
+                INTERLOCK.stop(sequence);
                 rtic::pend(CONTROL);
             }
             Wake::Transmit => rtic::pend(TRANSMIT),

@@ -1,58 +1,40 @@
 //! Where messages to the host wait, and how they get their numbers.
 //!
-//! The control task never waits for a link: what finds its queue full is dropped and counted, and
-//! the sequence numbers advance over it, so that the host knows exactly what it did not get.
+//! No task waits for a link: what finds the queue full is dropped and counted, and the sequence
+//! numbers advance over it, so that the host knows exactly what it did not get.
 
 use crate::queue;
-use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use heapless::spsc::Producer;
 use wire::FromBoard;
 
-/// Messages that found the queue full. Written by the control task alone.
-pub struct Unsent(AtomicU32);
-
-impl Unsent {
-    /// None yet.
-    pub const fn none() -> Self {
-        Self(AtomicU32::new(0))
-    }
-
-    /// How many so far.
-    pub fn count(&self) -> u32 {
-        self.0.load(Relaxed)
-    }
-}
-
-/// The control task's end of the queue.
+/// The end of the queue at which messages are left.
 pub struct Outbox<'a> {
     queue: Producer<'a, FromBoard>,
-    unsent: &'a Unsent,
+    unsent: u32,
 }
 
 impl<'a> Outbox<'a> {
     /// An outbox that fills this queue.
-    pub const fn new(queue: Producer<'a, FromBoard>, unsent: &'a Unsent) -> Self {
-        Self { queue, unsent }
+    pub const fn new(queue: Producer<'a, FromBoard>) -> Self {
+        Self { queue, unsent: 0 }
     }
 
     /// Leaves a message to be sent, or counts it.
     #[inline(never)]
     pub fn put(&mut self, message: FromBoard) {
-        if !self.has_room_at_all() || queue::put(&mut self.queue, message).is_err() {
-            // Only this task writes it: load and store are enough.
-            self.unsent.0.store(self.unsent.count().wrapping_add(1), Relaxed);
+        if queue::put(&mut self.queue, message).is_err() {
+            self.unsent = self.unsent.wrapping_add(1);
         }
     }
 
     /// Whether anything waits to be sent.
     pub fn waits(&self) -> bool {
-        self.has_room_at_all() && !self.queue.is_empty()
+        !queue::is_empty(&self.queue)
     }
 
-    /// Always. A queue's length, which is never 0, is known here only as it runs; said in this way
-    /// the compiler sees that a remainder by it is one, and leaves no panic in the control task.
-    fn has_room_at_all(&self) -> bool {
-        self.queue.capacity() != usize::MAX
+    /// Messages that found the queue full.
+    pub const fn unsent(&self) -> u32 {
+        self.unsent
     }
 }
 
@@ -88,9 +70,9 @@ mod tests {
 
     #[test]
     fn the_host_learns_exactly_what_was_dropped() {
-        let (mut queue, unsent) = (Queue::<FromBoard, 4>::new(), Unsent::none());
+        let mut queue = Queue::<FromBoard, 4>::new();
         let (producer, mut consumer) = queue.split();
-        let mut outbox = Outbox::new(producer, &unsent);
+        let mut outbox = Outbox::new(producer);
         let (mut sequence, mut receiver) = (Sequence::default(), Receiver::new());
         let mut ticks = 0;
         for burst in [2, 3, 8, 1, 5] {
@@ -103,14 +85,14 @@ mod tests {
             }
             while let Some(message) = consumer.dequeue() {
                 let mut buffer = [0; MAX_FRAME];
-                for &byte in encode(sequence.next(unsent.count()), &message, &mut buffer).unwrap() {
+                for &byte in encode(sequence.next(outbox.unsent()), &message, &mut buffer).unwrap() {
                     receiver.push::<FromBoard>(byte);
                 }
             }
         }
         let counters = receiver.counters();
         // 8 and 5 into a queue of 3 lose 5 and 2
-        assert_eq!(unsent.count(), 7);
+        assert_eq!(outbox.unsent(), 7);
         assert_eq!(counters.messages + counters.lost, ticks);
     }
 }

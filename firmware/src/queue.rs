@@ -1,4 +1,4 @@
-//! Into a queue, without a panic that could be reached.
+//! Queues, without a panic that could be reached.
 //!
 //! heapless takes a queue's size from memory and divides by it, so that the compiler sees a
 //! division by zero wherever it does not happen to know the size. No queue has size 0; a check here
@@ -12,9 +12,23 @@ use heapless::spsc::Producer;
 /// The item.
 #[inline(always)]
 pub fn put<T>(queue: &mut Producer<'_, T>, item: T) -> Result<(), T> {
-    // The capacity is the size less 1.
-    if queue.capacity().wrapping_add(1) == 0 {
-        return Err(item);
-    }
-    queue.enqueue(item)
+    if has_size(queue) { queue.enqueue(item) } else { Err(item) }
+}
+
+/// Whether there is room for an item.
+#[inline(always)]
+pub fn has_room<T>(queue: &Producer<'_, T>) -> bool {
+    has_size(queue) && queue.ready()
+}
+
+/// Whether the other side has taken all items.
+#[inline(always)]
+pub fn is_empty<T>(queue: &Producer<'_, T>) -> bool {
+    has_size(queue) && queue.is_empty()
+}
+
+/// Always. The capacity is the size less 1.
+#[inline(always)]
+fn has_size<T>(queue: &Producer<'_, T>) -> bool {
+    queue.capacity().wrapping_add(1) != 0
 }

@@ -5,14 +5,11 @@ use crate::vitals::CHECK_INS;
 use dr_core::Command;
 use dr_core::control::{Refusal, SelfTestPlan};
 use firmware::check_ins::Member;
-use firmware::inbox::TelemetryRequests;
+use firmware::inbox::{Outcome, TelemetryRequests};
 use firmware::queue;
-use firmware::settings::{SettingsServer, StandbyLock, server::Next};
+use firmware::settings::{SettingsServer, StandbyLock};
 use heapless::spsc::{Consumer, Producer};
-use wire::{MOST_ELEMENTS, Setting, Unusable};
-
-/// Result of a command.
-pub type Outcome = Result<(), Refusal>;
+use wire::{MOST_ELEMENTS, SettingsRefusal};
 
 /// The settings server with its queues to the control task and back.
 pub struct SettingsLoader {
@@ -32,56 +29,65 @@ impl SettingsLoader {
         Self { server, orders, outcomes }
     }
 
-    /// Clears the instrument and applies the stored settings. The host's commands wait meanwhile
-    /// ([`StandbyLock`]). Returns false if the instrument is tripped.
-    ///
-    /// Finding a value takes some milliseconds; all other tasks have a higher priority and run
-    /// meanwhile.
+    /// Clears the instrument and applies the stored settings, all of them or nothing. The host's
+    /// commands wait meanwhile ([`StandbyLock`]). Returns false if the instrument is tripped.
     pub fn set_up(
         &mut self,
         busy: &StandbyLock,
         telemetry_requests: &TelemetryRequests,
         wake_control: impl Fn(),
     ) -> bool {
-        if !busy.is_standby() {
-            return false;
+        let applied = match self.clear(busy, &wake_control) {
+            Ok(()) => self.apply(telemetry_requests, &wake_control),
+            Err(refused) => Err(refused),
+        };
+        match applied {
+            Ok(()) => {}
+            Err(SettingsRefusal::NotInStandby) => return false,
+            Err(why) => {
+                // No half head.
+                self.clear(busy, &wake_control).ok();
+                let why = if let SettingsRefusal::Unusable(why) = why { why.name() } else { "damaged, or other data" };
+                defmt::warn!("the settings in flash are not used: {=str}", why);
+                return true;
+            }
         }
-        self.server.begin();
-        if !self.server.is_well() {
-            defmt::warn!("the settings in flash are corrupt, or the flash holds other data");
+        let applied = self.server.applied();
+        if applied > 0 {
+            defmt::info!("settings with {=u16} commands applied", applied);
+            // Without a pulse nothing heats; without an element nothing is tested.
+            let plan = SelfTestPlan { pulse_s: None, unix_s: None };
+            self.send(Command::SelfTest(plan), &wake_control).ok();
         }
+        true
+    }
+
+    fn clear(&mut self, busy: &StandbyLock, wake_control: &impl Fn()) -> Result<(), SettingsRefusal> {
         // `Clear` leaves the fingerprint, since a host sends it, too.
-        for command in [Command::Clear, Command::Fingerprint { resistance_ohm: [0.0; MOST_ELEMENTS] }] {
-            if self.send(command, &wake_control).is_err() {
-                return false;
-            }
-        }
-        loop {
+        let commands = [Command::Clear, Command::Fingerprint { resistance_ohm: [0.0; MOST_ELEMENTS] }];
+        let cleared = busy.is_standby() && commands.map(|command| self.send(command, wake_control)) == [Ok(()); 2];
+        if cleared { Ok(()) } else { Err(SettingsRefusal::NotInStandby) }
+    }
+
+    /// Reading a command takes some milliseconds; all other tasks have a higher priority and run
+    /// meanwhile.
+    fn apply(
+        &mut self,
+        telemetry_requests: &TelemetryRequests,
+        wake_control: &impl Fn(),
+    ) -> Result<(), SettingsRefusal> {
+        let preface = self.server.begin()?;
+        while let Some(command) = self.server.next_command()? {
             CHECK_INS.check_in(Member::Settings);
-            match self.server.next_piece() {
-                Next::Apply(key, Setting::Command(command)) => match self.send(command, &wake_control) {
-                    Ok(()) => {}
-                    Err(Refusal::Tripped(_)) => return false,
-                    Err(refusal) => {
-                        let why = Unusable::Refused(refusal);
-                        self.server.was_refused(key, why);
-                        defmt::warn!("setting {=u16:#x} is not used: {=str}", key, why.name());
-                    }
-                },
-                Next::Apply(_, Setting::TelemetryEvery(every)) => telemetry_requests.thin(every),
-                Next::Apply(_, Setting::Name(_) | Setting::Tested(_)) => {}
-                Next::Skip(key, why) => defmt::warn!("setting {=u16:#x} is not used: {=str}", key, why.name()),
-                Next::Done { taken, left } => {
-                    if taken > 0 || left > 0 {
-                        defmt::info!("{=u16} settings applied, {=u16} not used", taken, left);
-                        // Without a pulse nothing heats; without an element nothing is tested.
-                        let plan = SelfTestPlan { pulse_s: None, unix_s: None };
-                        self.send(Command::SelfTest(plan), &wake_control).ok();
-                    }
-                    return true;
-                }
-            }
+            self.send(command, wake_control).map_err(|refusal| match refusal {
+                Refusal::Tripped(_) => SettingsRefusal::NotInStandby,
+                refusal => self.server.was_refused(refusal),
+            })?;
         }
+        if preface != Default::default() {
+            telemetry_requests.thin(preface.telemetry_every);
+        }
+        Ok(())
     }
 
     /// Sends a command to the control task, which has a higher priority and carries it out as soon

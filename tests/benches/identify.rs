@@ -1,5 +1,5 @@
-//! How fast records are identified: states, normal equations and solution, and how that grows with
-//! every size.
+//! Speed of identification: states, normal equations and solution, and how that grows with every
+//! size.
 //!
 //! `cargo bench -p anemo-tests --bench identify`. Elements a second are rows a second. Machines
 //! differ and are shared: compare figures of one run; `limits` stand beside them for that.

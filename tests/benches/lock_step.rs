@@ -1,4 +1,4 @@
-//! How fast runs go: in process, and exchanges with the emulated board over both links.
+//! Speed of runs: in process, and exchanges with the emulated board over both links.
 //!
 //! `cargo bench -p anemo-tests` after `cargo xtask size` (which builds the firmware). Elements a
 //! second are ticks a second. Machines differ and are shared: compare figures of one run.

@@ -1,5 +1,5 @@
-//! How fast a closed loop is predicted: an hour at 100 Hz with a hundred changes of the wind, K
-//! = 8.
+//! Speed of a closed loop's prediction: an hour at 100 Hz with a hundred changes of the wind, K =
+//! 8.
 //!
 //! `cargo bench -p anemo-tests --bench predict`. Both predictions are in it: the limit, and the
 //! one-bit rule.

@@ -1,4 +1,4 @@
-//! How fast the simulated sensors are: times of real time on one core, each at its own rate, with
+//! Speed of the simulated sensors: times of real time on one core, each at its own rate, with
 //! turbulence and noise.
 //!
 //! ```text

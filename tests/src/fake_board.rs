@@ -8,7 +8,7 @@ use dr_core::sensor::Reading;
 use dr_core::{Command, Instrument, Reply};
 use firmware::drivers::ads131e06::CHANNELS;
 use firmware::inbox::{Exchange, Inbox, Request, SettingsJob, TelemetryRequests, Wake};
-use firmware::outbox::{Outbox, Sequence, Unsent};
+use firmware::outbox::{Outbox, Sequence};
 use heapless::spsc::Queue;
 use host_sim::experiment::Experiment;
 use host_sim::sensor::Sensor;
@@ -23,7 +23,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
-use wire::{BoardKind, FromBoard, Identity, MAX_FRAME, Name, Received, Receiver, ResetCause, Status, ToBoard};
+use wire::{
+    BoardKind, ControlStatus, FromBoard, Identity, MAX_FRAME, Name, Received, Receiver, ResetCause, Status, ToBoard,
+};
 
 /// A tick, in standby and in a run, and what waking up takes beyond. Standby is slower, because
 /// nobody may be reading.
@@ -33,7 +35,7 @@ const RUNNING_TICK: Duration = Duration::from_micros(100);
 /// A second of the board, by which it sends its status.
 const SECOND: Duration = Duration::from_millis(20);
 
-/// What is wrong with the board or its cable. By default, nothing.
+/// Faults of the board or its cable. By default, nothing.
 #[derive(Clone, Default)]
 pub struct Quirks {
     /// Says nothing and hears nothing.
@@ -58,12 +60,12 @@ pub struct Quirks {
     pub cable_out: Option<(u32, Duration)>,
 }
 
-/// What the board can tell afterwards.
+/// Report of the board afterwards.
 #[derive(Debug, Default)]
 pub struct Report {
     /// Commands that were carried out.
     pub obeyed: Vec<Command>,
-    /// What arrived.
+    /// Counters of what arrived.
     pub link: wire::LinkCounters,
     /// The state at the end.
     pub state: RunState,
@@ -101,7 +103,7 @@ impl FakeBoard {
         Self { device, _port: port, ended, mended, running, sent, thread }
     }
 
-    /// Whether a run is under way.
+    /// Tells whether a run is under way.
     pub fn is_running(&self) -> bool {
         self.running.load(Relaxed)
     }
@@ -150,7 +152,7 @@ impl Cable {
         self.port.is_some() && !self.ended.load(Relaxed)
     }
 
-    /// What has come, after a tick.
+    /// Reads what has come, after a tick.
     fn read(&mut self, buffer: &mut [u8], tick: Duration) -> usize {
         std::thread::sleep(tick);
         let read = self.port.as_mut().map_or(0, |port| port.read(buffer).unwrap_or(0));
@@ -200,9 +202,9 @@ impl Life {
             (Queue::<Request, 8>::new(), Queue::<Exchange, 4>::new(), Queue::<FromBoard, 32>::new());
         let ((request_in, mut requests), (exchange_in, _), (message_in, mut messages)) =
             (requests.split(), exchanges.split(), messages.split());
-        let (questions, unsent) = (TelemetryRequests::starting(), Unsent::none());
+        let questions = TelemetryRequests::starting();
         let mut inbox = Inbox::new(request_in, exchange_in, errands.split().0, &questions, false);
-        let mut outbox = Outbox::new(message_in, &unsent);
+        let mut outbox = Outbox::new(message_in);
         let (mut receiver, mut sequence) = (Receiver::new(), Sequence::new());
         let mut station = Instrument::<CHANNELS>::new(&HardwareLimits::SIMULATED);
         let mut sensor = self.new_sensor();
@@ -283,13 +285,14 @@ impl Life {
                     test.findings().iter().for_each(|finding| outbox.put(FromBoard::Tested(*finding)));
                 }
                 if questions.wants_sample(tick.tick) {
-                    outbox.put(FromBoard::of_tick(&tick, None));
+                    outbox.put(FromBoard::of_tick(&tick));
                 }
             }
 
+            let unsent = outbox.unsent();
             let mut send = |message: &FromBoard| {
                 let mut frame = [0; MAX_FRAME];
-                let frame = wire::encode(sequence.next(unsent.count()), message, &mut frame).expect("it fits a frame");
+                let frame = wire::encode(sequence.next(unsent), message, &mut frame).expect("it fits a frame");
                 self.send(message, frame, &mut unheard);
             };
             if questions.take_identity() {
@@ -312,24 +315,17 @@ impl Life {
             }
             if last_status.elapsed() >= SECOND {
                 (last_status, uptime_s) = (Instant::now(), uptime_s + 1);
-                let (link, refused, unsent) = (receiver.counters(), inbox.refused, unsent.count());
-                let (late_ticks, control_cycles_max, tick_cycles) = (0, 0, 0);
-                send(&FromBoard::Status(Status {
-                    uptime_s,
-                    state: station.controller().state(),
-                    link,
-                    refused,
-                    unsent,
-                    late_ticks,
-                    lost_conversions: 0,
-                    deadlines: 0,
-                    bit_flips: station.controller().bit_flips(),
-                    history: station.controller().lockout().history(),
-                    armed: station.controller().is_armed(),
-                    control_cycles_max,
-                    tick_cycles,
-                    margins: station.controller().margins().collect(),
-                }));
+                let controller = station.controller();
+                let control = ControlStatus {
+                    state: controller.state(),
+                    bit_flips: controller.bit_flips(),
+                    history: controller.lockout().history(),
+                    armed: controller.is_armed(),
+                    margins: controller.margins().collect(),
+                    ..ControlStatus::default()
+                };
+                let (link, refused, unsent) = (receiver.counters(), inbox.refused, outbox.unsent());
+                send(&FromBoard::Status(Status { uptime_s, link, refused, unsent, deadlines: 0, control }));
             }
         }
         Report { obeyed, link: receiver.counters(), state: station.controller().state() }
@@ -371,7 +367,7 @@ impl Life {
     }
 }
 
-/// Whether this is the first command of its kind.
+/// Tells whether this is the first command of its kind.
 fn is_first(kind: &mut Option<fn(&Command) -> bool>, command: &Command) -> bool {
     let is_one = kind.is_some_and(|is_one| is_one(command));
     if is_one {

@@ -1,5 +1,5 @@
-//! What the tests that cross crates share: where experiments and firmware are, and how a run is
-//! made from them.
+//! Common parts of the tests that cross crates: where experiments and firmware are, and how a run
+//! is made from them.
 
 pub mod calibrated;
 pub mod cole_cole;
@@ -176,7 +176,7 @@ pub fn sensor(experiment: &Experiment) -> Sensor {
     experiment.sensor().expect("a shipped experiment can be simulated")
 }
 
-/// What the sensor's front end reads now.
+/// Readings of the sensor's front end now.
 pub fn readings(sensor: &Sensor) -> Vec<Reading> {
     sensor.codes().iter().map(|&code| Reading::Code(code)).collect()
 }

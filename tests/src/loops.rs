@@ -37,6 +37,7 @@ pub fn symbol_model() -> Model {
         covariance: None,
         steady_gain_k_per_w: r.iter().sum(),
         se_steady_gain_k_per_w: 0.0,
+        interval_95: None,
         feed_through_k_per_w: 0.0,
         se_feed_through_k_per_w: 0.0,
     };
@@ -106,8 +107,8 @@ impl Truth {
     }
 }
 
-/// What a one-bit loop takes from rest, and where it first was at its target: powers in W by tick,
-/// tick.
+/// Powers that a one-bit loop takes from rest, and where it first was at its target: powers in W by
+/// tick, tick.
 pub fn closed(target_c: f64, class: &[usize], period_s: f64) -> (Vec<f64>, Option<usize>) {
     let mut truth = Truth::default();
     let mut met = None;

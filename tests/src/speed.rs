@@ -1,5 +1,5 @@
-//! What measurements of identification's speed share: records of any size, the work that is timed,
-//! and this machine's limits.
+//! Common parts of measurements of identification's speed: records of any size, the work that is
+//! timed, and this machine's limits.
 
 use std::hint::black_box;
 use std::time::Instant;

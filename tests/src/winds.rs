@@ -1,5 +1,5 @@
-//! What tests of wind as feedback share: rods and heads as tables, their models, and how far off
-//! those are.
+//! Common parts of tests of wind as feedback: rods and heads as tables, their models, and how far
+//! off those are.
 
 use diffusive::identify::record::RecordTable;
 use diffusive::identify::{GasGiven, IdentifyOptions, identify};
@@ -8,7 +8,7 @@ use diffusive::model::{Model, Structure};
 use crate::records::heads::HeadsRecord;
 use crate::records::rod::RodRecord;
 
-/// Of the simulated rods, unless a test says otherwise.
+/// Noise of the simulated rods, unless a test says otherwise.
 pub const NOISE_K: f64 = 0.005;
 
 /// Structure `conductance`, all else chosen.

@@ -20,11 +20,11 @@ fn both_bodies(experiment: &Experiment, name: &str, ticks: u32, way: Way) -> u64
     for tick in 0..ticks {
         let (expected, seen) = (host.observe().unwrap(), board.observe().unwrap());
         assert_eq!(expected, seen, "{name}: samples differ at tick {tick}");
-        assert_eq!(host.digest(), board.digest(), "{name}: states differ at tick {tick}");
+        assert_eq!(host.digests(), board.digests(), "{name}: states differ at tick {tick}");
     }
     let account = InstrumentPort::finish(board).unwrap();
     assert_eq!((account.link.lost, account.link.damaged, account.link.repeated), (0, 0, 0));
-    host.digest().unwrap()
+    host.digests().unwrap().control.value()
 }
 
 #[test]
@@ -71,7 +71,7 @@ fn the_board_tells_the_margins_that_the_host_knows() {
         told = board
             .body()
             .status()
-            .map(|status| status.margins.clone())
+            .map(|status| status.control.margins.clone())
             .filter(|margins| margins.iter().any(Option::is_some));
         if told.is_some() {
             break;

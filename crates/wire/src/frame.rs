@@ -16,9 +16,9 @@ use crc::{CRC_16_IBM_SDLC, Crc, Table};
 use postcard::ser_flavors::crc::CrcModifier;
 use serde::{Serialize, de::DeserializeOwned};
 
-/// Longest frame, terminator included. The longest message is a tick of 16 elements with observers
-/// and wind: 71 numbers of 4 bytes.
-pub const MAX_FRAME: usize = 320;
+/// Longest frame, terminator included. The longest message is the status of 16 elements with
+/// margins.
+pub const MAX_FRAME: usize = 256;
 
 const CHECK: Crc<u16, Table<1>> = Crc::<u16, Table<1>>::new(&CRC_16_IBM_SDLC);
 static CRC: Crc<u16, Table<1>> = CHECK;
@@ -79,8 +79,8 @@ mod tests {
     use crate::counters::LinkCounters;
     use crate::list::{List, MOST_ELEMENTS, Name};
     use crate::message::{
-        BoardKind, Crash, CrashKind, FromBoard, Identity, ObservedSample, Readings, ResetCause, Sample, Status,
-        SurfaceValues, ToBoard, WindSample,
+        BoardKind, ControlStatus, Crash, CrashKind, FromBoard, Identity, ObservedSample, Readings, ResetCause, Sample,
+        Status, SurfaceValues, ToBoard, WindFrame, WindSample,
     };
     use dr_core::Command;
     use dr_core::control::{
@@ -128,10 +128,11 @@ mod tests {
             direction_error_rad: 3.1,
             chi_square: 1.7e38,
             gas_c: -1.7e38,
-            conductance_w_k: SurfaceValues::from_array([1.7e38; 4]),
-            raw_w_k: SurfaceValues::from_array([1.7e38; 4]),
+            conductance_w_k: SurfaceValues::from_array([1.7e38; 8]),
+            raw_w_k: SurfaceValues::from_array([1.7e38; 8]),
         };
-        let observed = ObservedSample { sample: sample.clone(), equivalent_power_w, wind: Some(wind) };
+        let observed = ObservedSample { sample: sample.clone(), equivalent_power_w };
+        let wind = WindFrame { tick: u32::MAX, interval_ticks: u16::MAX, wind };
         let firmware = Name::try_from("a firmware name of 32 characters").unwrap();
         assert_eq!(firmware.len(), firmware.capacity());
         let crash = Crash { kind: CrashKind::Fault, file: firmware.clone(), at: u32::MAX };
@@ -147,19 +148,14 @@ mod tests {
             lost: u32::MAX,
             foreign: u32::MAX,
         };
-        let status = Status {
-            uptime_s: u32::MAX,
+        let control = ControlStatus {
             state: RunState::Tripped(Trip::of(15, Cause::HostTimeout)),
-            link: counters,
-            refused: u32::MAX,
-            unsent: u32::MAX,
             late_ticks: u32::MAX,
+            missed_estimates: u32::MAX,
             lost_conversions: u32::MAX,
-            deadlines: u32::MAX,
             bit_flips: u32::MAX,
             armed: true,
-            control_cycles_max: u32::MAX,
-            tick_cycles: u32::MAX,
+            edge_to_pins_us: u32::MAX,
             margins: List::from_array([Some(Margins { above_low_w: -1.7e38, below_high_w: 1.7e38 }); MOST_ELEMENTS]),
             history: TripHistory {
                 trips: u32::MAX,
@@ -167,6 +163,8 @@ mod tests {
                 first: Some(FirstTrip { trip: Trip::of(15, Cause::HostTimeout), at_s: u32::MAX }),
             },
         };
+        let (refused, unsent, deadlines) = (u32::MAX, u32::MAX, u32::MAX);
+        let status = Status { uptime_s: u32::MAX, link: counters, refused, unsent, deadlines, control };
         let verdict = Reachability::HighLevelTooCold { most_rise_k: 1.7e38 };
         let refusal = Refusal::Unreachable { element: 255, target_c: -1.7e38, verdict };
         let readings = Readings::new(&[Reading::Code(-8_000_000); MOST_ELEMENTS]).unwrap();
@@ -208,6 +206,7 @@ mod tests {
             FromBoard::Status(status),
             FromBoard::Sample(sample),
             FromBoard::Observed(observed),
+            FromBoard::Wind(wind),
             FromBoard::Reply { to: u16::MAX, result: Err(refusal) },
         ] {
             let mut frame = bytes(u16::MAX, &message);
@@ -293,7 +292,7 @@ mod tests {
             let sample = Sample { tick: 5, heaters, valid: 7, state, temperature_c: of(1.0), power_w: of(0.5) };
             (
                 FromBoard::Sample(sample.clone()),
-                FromBoard::Observed(ObservedSample { sample, equivalent_power_w: of(0.25), wind: None }),
+                FromBoard::Observed(ObservedSample { sample, equivalent_power_w: of(0.25) }),
             )
         };
         let mut space = [0; MAX_FRAME];
@@ -309,7 +308,6 @@ mod tests {
             assert_eq!(postcard::to_slice(&sample, &mut space).unwrap(), expected);
             expected[0] = 6;
             add(&mut expected, 0.25);
-            expected.push(0);
             assert_eq!(postcard::to_slice(&observed, &mut space).unwrap(), expected);
         }
     }

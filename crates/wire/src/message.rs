@@ -95,25 +95,24 @@ pub enum FromBoard {
     Event(Event),
     /// Levels for the simulated front end. Sent by the virtual board only.
     Heaters(HeaterFrame),
-    /// One tick, in place of `Sample` while the observers run or at the end of an output interval
-    /// of the wind.
+    /// One tick, in place of `Sample` while the observers run.
     Observed(ObservedSample),
     /// Reply to `Settings`.
     Setting(SettingsAnswer),
     /// What a self-test has found of one element; one message an element, when the test is over.
     Tested(SelfTestFinding),
+    /// The wind estimate of one tick, after the `Sample` of that tick.
+    Wind(WindFrame),
 }
 
 impl FromBoard {
-    /// A tick, with the results of the observers and the anemometer if there are any.
-    pub fn of_tick<const N: usize>(tick: &Tick<N>, wind: Option<&WindTick>) -> Self {
+    /// A tick, with the results of the observers if there are any.
+    pub fn of_tick<const N: usize>(tick: &Tick<N>) -> Self {
         let sample = Sample::from(tick);
-        if tick.equivalent_power_w.is_none() && wind.is_none() {
-            return Self::Sample(sample);
+        match &tick.equivalent_power_w {
+            None => Self::Sample(sample),
+            Some(all) => Self::Observed(ObservedSample { sample, equivalent_power_w: list(all, tick.elements) }),
         }
-        let equivalent_power_w = tick.equivalent_power_w.as_ref().map(|all| list(all, tick.elements));
-        let wind = wind.map(WindSample::from);
-        Self::Observed(ObservedSample { sample, equivalent_power_w: equivalent_power_w.unwrap_or_default(), wind })
     }
 }
 
@@ -287,17 +286,27 @@ impl<const N: usize> From<&Tick<N>> for Sample {
     }
 }
 
-/// A [`Sample`] with the results of the observers and the anemometer. A message of its own, so that
-/// a board without them sends no more bytes.
+/// A [`Sample`] with the results of the observers. A message of its own, so that a board without
+/// them sends no more bytes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ObservedSample {
     /// The tick.
     pub sample: Sample,
     /// Equivalent control at the tick, W: the conduction into the structure of the element, by its
-    /// model. 0 for an element without one; empty if no observers run.
+    /// model. 0 for an element without one.
     pub equivalent_power_w: List<f32>,
-    /// The wind estimate, at the end of an output interval.
-    pub wind: Option<WindSample>,
+}
+
+/// The wind estimate of a tick. It is made after the levels are set, and comes after the sample of
+/// its tick, mostly within the same tick.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WindFrame {
+    /// Its tick.
+    pub tick: u32,
+    /// Estimates are due at multiples of so many ticks.
+    pub interval_ticks: u16,
+    /// The estimate.
+    pub wind: WindSample,
 }
 
 /// The wind estimate of a tick: [`WindTick`], as it travels.
@@ -355,28 +364,37 @@ impl From<&WindTick> for WindSample {
 pub struct Status {
     /// Seconds since the start.
     pub uptime_s: u32,
-    /// Run state, for hosts that get no samples.
-    pub state: RunState,
     /// What arrived on the host link, and what was wrong with it.
     pub link: LinkCounters,
     /// Messages that found their queue full, or that this board does not accept.
     pub refused: u32,
     /// Messages that found the queue to the host full. They count in the sequence numbers.
     pub unsent: u32,
-    /// Ticks that came before the one before was through.
-    pub late_ticks: u32,
-    /// Conversions of the ADC that were not read in time, or whose frame was damaged.
-    pub lost_conversions: u32,
     /// Times that the heaters were lowered because their levels had not been decided anew in time.
     pub deadlines: u32,
+    /// What the control task says of itself.
+    pub control: ControlStatus,
+}
+
+/// State and counters of the control task.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct ControlStatus {
+    /// Run state, for hosts that get no samples.
+    pub state: RunState,
+    /// Ticks that came before the one before was through.
+    pub late_ticks: u32,
+    /// Ticks that the wind estimate has not had, since those before were not through. After each it
+    /// is starting anew.
+    pub missed_estimates: u32,
+    /// Conversions of the ADC that were not read in time, or whose frame was damaged.
+    pub lost_conversions: u32,
     /// Bit flips found in memory by the integrity check.
     pub bit_flips: u32,
     /// Whether commands that can heat are accepted now.
     pub armed: bool,
-    /// Longest control task so far, processor cycles (0 where there is no cycle counter).
-    pub control_cycles_max: u32,
-    /// Processor cycles in a tick; 0 until the sample period is set.
-    pub tick_cycles: u32,
+    /// Longest time since the last `Start` from the data-ready edge that completed a tick to the
+    /// levels on the pins, µs; 0 on the virtual board, which has no edges.
+    pub edge_to_pins_us: u32,
     /// Margins to the low and the high level of each element that controls a temperature and has a
     /// model, W.
     pub margins: List<Option<Margins>>,
@@ -406,6 +424,11 @@ pub struct HeaterFrame {
     /// Digest of all that the controller knows, over all ticks since the start of the run.
     #[serde(with = "postcard::fixint::le")]
     pub digest: u64,
+    /// The same of the anemometer.
+    #[serde(with = "postcard::fixint::le")]
+    pub wind_digest: u64,
+    /// A `Wind` of this tick has been sent.
+    pub has_wind: bool,
 }
 
 #[cfg(test)]

@@ -1,314 +1,223 @@
-//! Settings that an instrument stores in its flash, each under a key of its own.
+//! Settings that an instrument stores in its flash: one record of name, head and set-up.
 //!
-//! | number | key | what |
-//! |---|---|---|
-//! | 0x0100 | `name` | what the instrument is called |
-//! | 0x0200 | `telemetry_every` | ticks a sample after a start |
-//! | 0x0300 | `sample_period_s` | command `SamplePeriod` |
-//! | 0x0400 | `guard` | command `Guard` |
-//! | 0x0500 | `observe` | command `Observe` |
-//! | 0x0600 | `host_timeout_s` | command `HostTimeout` |
-//! | 0x0700 | `fingerprint` | command `Fingerprint` |
-//! | 0x10ee, 0x11ee, 0x12ee | `element`, `model`, `drive` | of element ee |
-//! | 0x1c00 … 0x1f00 | `correction`, `convection`, `uncertainty`, `form` | what a head has of them |
-//! | 0x20ee | `own` | command `SelfHeating` of element ee |
-//! | 0x21es | `faster` | command `FasterGains`: set s of element e |
-//! | 0x22ft | `cross` | command `CrossHeating` from element f to element t |
-//! | 0x23pp | `point` | command `NusseltPoint` |
-//! | 0x24pp | `part` | command `Surface` |
-//! | 0x2500 … 0x2800 | `card`, `gas_law`, `answer`, `gas` | the others |
-//! | 0x30ee, 0x31ee | `tested`, `tested_at_start` | finding for element ee of the last self-test requested by a host, and of the last one after a start; written by the instrument itself, and sent to hosts only |
+//! A record is one byte, its format ([`FORMAT`]), then the postcard encodings of a [`Preface`] and
+//! of the commands of the set-up, in their order. It is longer than a frame, so it is sent and read
+//! in pieces; a CRC over all of it commits it. An instrument uses all of a record or nothing of it.
 //!
-//! The upper byte is the kind, the lower one the index. Numbers never change their meaning. Their
-//! ascending order is the order of a set-up.
-//!
-//! A value is its format, one byte ([`FORMAT`]), and the postcard encoding of a [`Setting`]. It
-//! says itself what it is of: a value that is found under another key than its own is refused, as
-//! is one of a later format.
+//! Results of self-tests are records of their own ([`TestRecord`]), which only the instrument writes.
 
+use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 use dr_core::Command;
 use dr_core::control::{Refusal, SelfTestFinding};
-use dr_core::wind::WindCommand;
 use serde::{Deserialize, Serialize};
 
-use crate::list::Name;
+use crate::list::{List, Name};
 
-/// Format of the values. Any change of what a [`Setting`] looks like in bytes raises it.
-pub const FORMAT: u8 = 2;
+/// Format of the records. Any change of their bytes raises it. Formats 1 and 2 had a value under
+/// each of some twenty kinds of keys.
+pub const FORMAT: u8 = 3;
 
-/// Longest value: a card, of 50 numbers.
-pub const MOST_VALUE: usize = 224;
+/// Longest piece of a record, bytes. A command is never longer; the longest has 50 numbers.
+pub const MOST_PIECE: usize = 224;
 
-/// A value as it is kept: format, then bytes.
-pub type SettingValue = heapless::Vec<u8, MOST_VALUE>;
+/// Longest record of a self-test, bytes.
+pub const MOST_TEST: usize = 1024;
 
-/// Number of a key.
-pub type KeyNumber = u16;
+/// Bytes of a record.
+pub type Piece = heapless::Vec<u8, MOST_PIECE>;
 
-/// What kind of thing a key is of, in the order of a set-up.
-#[derive(
-    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, strum::EnumString, strum::FromRepr, strum::IntoStaticStr,
-)]
-#[strum(serialize_all = "snake_case")]
-#[repr(u8)]
-pub enum SettingKind {
-    /// What the instrument is called.
-    Name = 0x01,
-    /// Ticks a sample.
-    TelemetryEvery = 0x02,
-    /// Length of a tick.
-    #[strum(to_string = "sample_period_s")]
-    SamplePeriod = 0x03,
-    /// Limits of the guard.
-    Guard = 0x04,
-    /// Whether observers run.
-    Observe = 0x05,
-    /// Longest run without a host.
-    #[strum(to_string = "host_timeout_s")]
-    HostTimeout = 0x06,
-    /// Resistances of the head.
-    Fingerprint = 0x07,
-    /// Wiring and limits of an element.
-    Element = 0x10,
-    /// Its model.
-    Model = 0x11,
-    /// What it does.
-    Drive = 0x12,
-    /// Slow errors of surfaces that are taken out.
-    Correction = 0x1c,
-    /// How the convection of surfaces is taken.
-    Convection = 0x1d,
-    /// What the calibration adds to the uncertainty of the wind.
-    Uncertainty = 0x1e,
-    /// What the surfaces of the head belong to.
-    Form = 0x1f,
-    /// Self-heating of an element.
-    #[strum(to_string = "own")]
-    SelfHeating = 0x20,
-    /// Faster gains.
-    #[strum(to_string = "faster")]
-    FasterGains = 0x21,
-    /// Cross-heating of a pair.
-    #[strum(to_string = "cross")]
-    CrossHeating = 0x22,
-    /// Amplitudes at a Reynolds number.
-    #[strum(to_string = "point")]
-    NusseltPoint = 0x23,
-    /// A surface of the head.
-    #[strum(to_string = "part")]
-    Surface = 0x24,
-    /// Four dice on a card.
-    Card = 0x25,
-    /// The gas.
-    GasLaw = 0x26,
-    /// Output settings of the wind estimate.
-    #[strum(to_string = "answer")]
-    WindOutput = 0x27,
-    /// State of the gas.
-    Gas = 0x28,
-    /// Finding of a requested self-test for an element.
-    Tested = 0x30,
-    /// Finding of the self-test after a start.
-    TestedAtStart = 0x31,
-}
+/// Bytes of a self-test's record.
+pub type TestBytes = heapless::Vec<u8, MOST_TEST>;
 
-impl SettingKind {
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        self.into()
-    }
-}
+/// The sum that commits a record.
+pub const CHECK: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 
-/// A key.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct SettingKey {
-    /// What kind of thing it is of.
-    pub kind: SettingKind,
-    /// Which of them; 0 where there is only one.
-    pub which: u8,
-}
-
-impl SettingKey {
-    /// Its number, for ever.
-    pub const fn number(self) -> KeyNumber {
-        (self.kind as u16) << 8 | self.which as u16
-    }
-
-    /// The key of a number, if it is one.
-    pub fn of_number(number: KeyNumber) -> Option<Self> {
-        let [kind, which] = number.to_be_bytes();
-        Some(Self { kind: SettingKind::from_repr(kind)?, which })
-    }
-}
-
-/// What is kept.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub enum Setting {
-    /// What the instrument is called.
-    Name(Name),
+/// Beginning of a record of settings: everything that is not a command.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Preface {
+    /// Name of the instrument.
+    pub name: Name,
     /// Ticks a sample after a start, as in `Telemetry`.
-    TelemetryEvery(u16),
-    /// A command that sets the instrument up.
-    Command(Command),
-    /// What a self-test has found of an element.
-    Tested(TestRecord),
+    pub telemetry_every: u16,
 }
 
-/// What a self-test has found of an element, when, and by whom.
+impl Default for Preface {
+    fn default() -> Self {
+        Self { name: Name::new(), telemetry_every: 1 }
+    }
+}
+
+impl Preface {
+    /// Encodes it, with the format in front.
+    ///
+    /// # Errors
+    /// If it is longer than a piece, which it never is.
+    pub fn bytes(&self) -> Result<Piece, postcard::Error> {
+        encoded(&(FORMAT, self))
+    }
+
+    /// Takes it off the front of a record.
+    ///
+    /// # Errors
+    /// If the format is another one, or the bytes are damaged.
+    pub fn take(record: &[u8]) -> Result<(Self, &[u8]), Unusable> {
+        postcard::take_from_bytes(content(record)?).map_err(|_| Unusable::Damaged)
+    }
+}
+
+/// Encodes a command of a set-up.
+///
+/// # Errors
+/// If it is longer than a piece, which it never is.
+pub fn command_bytes(command: &Command) -> Result<Piece, postcard::Error> {
+    encoded(command)
+}
+
+/// Takes a command of a set-up off the front of the rest of a record.
+///
+/// # Errors
+/// If the bytes are damaged, or a command that sets nothing up.
+pub fn take_command(record: &[u8]) -> Result<(Command, &[u8]), Unusable> {
+    let taken = postcard::take_from_bytes(record).map_err(|_| Unusable::Damaged)?;
+    if sets_up(&taken.0) { Ok(taken) } else { Err(Unusable::Damaged) }
+}
+
+/// Whether a command sets an instrument up, so that a record may contain it.
+pub const fn sets_up(command: &Command) -> bool {
+    match command {
+        Command::SamplePeriod { .. }
+        | Command::Guard(_)
+        | Command::Observe { .. }
+        | Command::HostTimeout { .. }
+        | Command::Fingerprint { .. }
+        | Command::Element { .. }
+        | Command::Model { .. }
+        | Command::Drive { .. }
+        | Command::Wind(_) => true,
+        Command::Clear
+        | Command::Start
+        | Command::Stop
+        | Command::Acknowledge
+        | Command::Arm { .. }
+        | Command::Disarm
+        | Command::SelfTest(_)
+        // A capacitor is set up by its host, which reads the meter.
+        | Command::Capacitor { .. } => false,
+    }
+}
+
+/// Findings of a self-test, when it was, and by which firmware.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TestRecord {
-    /// Start time given by the host, s since 1970; none for the self-test after a start, when the
-    /// date is unknown.
+    /// Start time given by the host, s since 1970. A self-test after a start does not know the date.
     pub unix_s: Option<u32>,
     /// The firmware that tested.
     pub firmware: Name,
     /// How often it had started since its supply came up.
     pub starts: u32,
-    /// What it found.
-    pub finding: SelfTestFinding,
+    /// One entry an element.
+    pub findings: List<SelfTestFinding>,
 }
 
-/// Why a stored value is not used.
+impl TestRecord {
+    /// Encodes it, with the format in front.
+    ///
+    /// # Errors
+    /// If it is longer than [`MOST_TEST`], which it never is.
+    pub fn bytes(&self) -> Result<TestBytes, postcard::Error> {
+        encoded(&(FORMAT, self))
+    }
+
+    /// Decodes it.
+    ///
+    /// # Errors
+    /// If the format is another one, or the bytes are damaged.
+    pub fn read(record: &[u8]) -> Result<Self, Unusable> {
+        postcard::from_bytes(content(record)?).map_err(|_| Unusable::Damaged)
+    }
+}
+
+fn encoded<const N: usize>(value: &impl Serialize) -> Result<heapless::Vec<u8, N>, postcard::Error> {
+    let mut bytes = heapless::Vec::new();
+    // It has room for so many.
+    bytes.resize_default(N).ok();
+    let length = postcard::to_slice(value, &mut bytes)?.len();
+    bytes.truncate(length);
+    Ok(bytes)
+}
+
+/// Returns what follows the format.
+fn content(record: &[u8]) -> Result<&[u8], Unusable> {
+    match record.split_first() {
+        None => Err(Unusable::Damaged),
+        Some((&FORMAT, content)) => Ok(content),
+        Some((&found, _)) => Err(Unusable::Format { found }),
+    }
+}
+
+/// Why stored settings are not used.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum Unusable {
-    /// It is of another format, by an older or a newer firmware.
-    #[error("it is of format {found}, and this firmware reads formats 1 to {FORMAT}")]
+    /// An older or a newer firmware wrote them.
+    #[error("they are of format {found}, and this firmware reads format {FORMAT}")]
     Format {
-        /// Its.
+        /// Format of the record.
         found: u8,
     },
-    /// This firmware does not know its key.
-    #[error("this firmware does not know its key")]
-    UnknownKey,
-    /// It is no value.
-    #[error("it is damaged")]
+    /// They cannot be decoded.
+    #[error("they are damaged")]
     Damaged,
-    /// It is a value, but of another key.
-    #[error("it is the value of another key")]
-    Misplaced,
-    /// The instrument refuses it.
-    #[error("the instrument refuses it: {0}")]
-    Refused(Refusal),
+    /// The instrument refuses a command.
+    #[error("the instrument refuses command {number} of them: {refusal}")]
+    Refused {
+        /// Its number, from 1.
+        number: u16,
+        /// Why.
+        refusal: Refusal,
+    },
 }
 
-impl Setting {
-    /// Where it belongs; none for a command that sets nothing up.
-    pub fn key(&self) -> Option<SettingKey> {
-        let pair = |a: u8, b: u8| (a < 16 && b < 16).then_some(a << 4 | b);
-        let (kind, which) = match self {
-            Self::Name(_) => (SettingKind::Name, 0),
-            Self::TelemetryEvery(_) => (SettingKind::TelemetryEvery, 0),
-            Self::Command(command) => match command {
-                Command::SamplePeriod { .. } => (SettingKind::SamplePeriod, 0),
-                Command::Guard(_) => (SettingKind::Guard, 0),
-                Command::Observe { .. } => (SettingKind::Observe, 0),
-                Command::HostTimeout { .. } => (SettingKind::HostTimeout, 0),
-                Command::Fingerprint { .. } => (SettingKind::Fingerprint, 0),
-                Command::Element { element, .. } => (SettingKind::Element, *element),
-                Command::Model { element, .. } => (SettingKind::Model, *element),
-                Command::Drive { element, .. } => (SettingKind::Drive, *element),
-                Command::Wind(wind) => match wind {
-                    WindCommand::SelfHeating { element, .. } => (SettingKind::SelfHeating, *element),
-                    WindCommand::FasterGains(faster) => (SettingKind::FasterGains, pair(faster.element, faster.set)?),
-                    WindCommand::CrossHeating(cross) => (SettingKind::CrossHeating, pair(cross.from, cross.to)?),
-                    WindCommand::NusseltPoint { point, .. } => (SettingKind::NusseltPoint, *point),
-                    WindCommand::Surface { surface, .. } => (SettingKind::Surface, *surface),
-                    WindCommand::Form(_) => (SettingKind::Form, 0),
-                    WindCommand::Card(_) => (SettingKind::Card, 0),
-                    WindCommand::GasLaw(_) => (SettingKind::GasLaw, 0),
-                    WindCommand::Output(_) => (SettingKind::WindOutput, 0),
-                    WindCommand::Gas { .. } => (SettingKind::Gas, 0),
-                    WindCommand::Uncertainty(_) => (SettingKind::Uncertainty, 0),
-                    WindCommand::Convection(_) => (SettingKind::Convection, 0),
-                    WindCommand::Correction(_) => (SettingKind::Correction, 0),
-                },
-                Command::Clear
-                | Command::Start
-                | Command::Stop
-                | Command::Acknowledge
-                | Command::Arm { .. }
-                | Command::Disarm
-                | Command::SelfTest(_)
-                // A capacitor is set up by its host, which reads the meter.
-                | Command::Capacitor { .. } => return None,
-            },
-            Self::Tested(record) => {
-                let kind = if record.unix_s.is_some() { SettingKind::Tested } else { SettingKind::TestedAtStart };
-                (kind, record.finding.element)
-            }
-        };
-        Some(SettingKey { kind, which })
-    }
-
-    /// The value of it, as it is kept.
-    ///
-    /// # Errors
-    /// If it is longer than any value may be, which none is.
-    pub fn value(&self) -> Result<SettingValue, postcard::Error> {
-        let mut buffer = [0; MOST_VALUE];
-        let [format, rest @ ..] = &mut buffer;
-        *format = FORMAT;
-        let length = 1 + postcard::to_slice(self, rest)?.len();
-        let used = buffer.get(..length).unwrap_or_default();
-        SettingValue::from_slice(used).map_err(|_| postcard::Error::SerializeBufferFull)
-    }
-
-    /// Reads a value that stands under a key.
-    ///
-    /// # Errors
-    /// Why it is not used.
-    pub fn read(number: KeyNumber, value: &[u8]) -> Result<Self, Unusable> {
-        let key = SettingKey::of_number(number).ok_or(Unusable::UnknownKey)?;
-        let (&found, bytes) = value.split_first().ok_or(Unusable::Damaged)?;
-        // Values of older formats are converted here: `format1.txt` has bytes of the first, and a
-        // test reads them.
-        let mut now = SettingValue::from_slice(bytes).map_err(|_| Unusable::Damaged)?;
-        match found {
-            FORMAT => {}
-            // An element has got a limit of energy since, which this one does without.
-            1 if key.kind == SettingKind::Element => now.push(0).map_err(|_| Unusable::Damaged)?,
-            1 => {}
-            _ => return Err(Unusable::Format { found }),
-        }
-        let (setting, rest) = postcard::take_from_bytes::<Self>(&now).map_err(|_| Unusable::Damaged)?;
-        if !rest.is_empty() {
-            return Err(Unusable::Damaged);
-        }
-        if setting.key() == Some(key) { Ok(setting) } else { Err(Unusable::Misplaced) }
-    }
+/// Records that can be read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum StoredRecord {
+    /// The settings.
+    Settings,
+    /// The last self-test that a host requested.
+    Test,
+    /// The self-test of the last set-up, which is not stored: each start tests anew.
+    TestAtStart,
 }
 
-/// Requests of a host to the settings. The reply to each is one `Setting`.
+/// Requests of a host to the settings. The reply to each is one `Setting`. In standby only.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[allow(clippy::large_enum_variant)] // there is no heap to put the value on
+#[allow(clippy::large_enum_variant)] // there is no heap to put the piece on
 pub enum SettingsRequest {
-    /// Stores a value. In standby. It applies after the next `Load` or the next start.
-    Store {
-        /// Under this key.
-        key: KeyNumber,
-        /// Format, and bytes.
-        value: SettingValue,
+    /// Writes a piece of new settings; the settings in force stay. The first piece erases what was
+    /// written and not committed.
+    Write {
+        /// Where it begins: a multiple of 4, 0 for the first piece.
+        at: u16,
+        /// All pieces but the last have a multiple of 4 bytes.
+        bytes: Piece,
     },
-    /// The value of a key.
+    /// Puts the new settings in the place of those in force, if their sum is this one. They apply
+    /// after the next `Load` or the next start.
+    Commit {
+        /// Bytes of the record.
+        length: u16,
+        /// Their [`CHECK`].
+        crc: u32,
+    },
+    /// Reads a piece of a record; without a byte at its end.
     Read {
-        /// Which.
-        key: KeyNumber,
+        /// The record.
+        record: StoredRecord,
+        /// Where the piece begins.
+        at: u16,
     },
-    /// The first value whose key is greater than this one.
-    Next {
-        /// None: the first of all.
-        after: Option<KeyNumber>,
-    },
-    /// Erases the value of a key. In standby.
-    Erase {
-        /// Which.
-        key: KeyNumber,
-    },
-    /// Erases all values. In standby.
-    EraseAll,
-    /// Clears the instrument and applies the stored settings. In standby.
+    /// Clears the instrument and applies the settings, all of them or nothing.
     Load,
-    /// Verifies the stored settings. The reply is `Done`, or the refusal `NotWhole`.
+    /// Says whether the settings can be read and are used: `Done`, or why not.
     Check,
 }
 
@@ -323,28 +232,12 @@ pub struct SettingsAnswer {
 
 /// Reply to a request that was carried out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[allow(clippy::large_enum_variant)] // there is no heap to put the value on
+#[allow(clippy::large_enum_variant)] // there is no heap to put the piece on
 pub enum SettingsReply {
     /// Done.
     Done,
-    /// A value.
-    Value {
-        /// Its key.
-        key: KeyNumber,
-        /// Format and bytes, as they stand.
-        value: SettingValue,
-        /// Why it is not used, if it is not.
-        unusable: Option<Unusable>,
-    },
-    /// There is nothing under this key, or none after it.
-    Nothing,
-    /// The instrument has been set up.
-    Loaded {
-        /// Number of settings applied.
-        taken: u16,
-        /// Number of values not used; `Read` returns the reason.
-        left: u16,
-    },
+    /// A piece of a record.
+    Piece(Piece),
 }
 
 /// Why a request was not carried out.
@@ -353,20 +246,26 @@ pub enum SettingsRefusal {
     /// Only possible in standby.
     #[error("settings can only be changed in standby: stop the run, or acknowledge the trip")]
     NotInStandby,
-    /// This firmware would not use such a value.
-    #[error("this value would not be used: {0}")]
+    /// This firmware does not use such settings.
+    #[error("the settings are not used: {0}")]
     Unusable(Unusable),
-    /// There is no room for it: so many bytes are free.
-    #[error("there is no room for it: {free} bytes are free")]
-    Full {
-        /// Bytes.
-        free: u16,
+    /// The record is too long for its place.
+    #[error("there is no room for the settings: they may have {most} bytes")]
+    TooLong {
+        /// Bytes that a record may have.
+        most: u16,
     },
-    /// The flash does not take it, does not give it back, or holds something else.
-    #[error("the flash of the settings cannot be read or written, or holds other data")]
+    /// The flash cannot be read or written.
+    #[error("the flash of the settings cannot be read or written")]
     Flash,
-    /// The stored settings are corrupt: values may be missing or out of date.
-    #[error("the settings in flash are corrupt: values may be missing or out of date")]
+    /// What stands there is no record.
+    #[error("the flash of the settings holds settings of an older firmware, or other data")]
+    Foreign,
+    /// The settings in force have changed by themselves.
+    #[error("the settings in flash are damaged")]
+    Damaged,
+    /// The sum of the pieces is not that of the commit.
+    #[error("the settings have not arrived as they were sent")]
     NotWhole,
 }
 
@@ -375,10 +274,8 @@ impl Unusable {
     pub const fn name(&self) -> &'static str {
         match self {
             Self::Format { .. } => "of another format",
-            Self::UnknownKey => "of an unknown key",
             Self::Damaged => "damaged",
-            Self::Misplaced => "of another key",
-            Self::Refused(_) => "refused by the instrument",
+            Self::Refused { .. } => "refused by the instrument",
         }
     }
 }

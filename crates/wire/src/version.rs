@@ -4,7 +4,7 @@
 /// its end, its first byte the version, its last two the CRC of all before: so either side can name
 /// the version of the other.
 ///
-/// Version 7 has what a host needs that logs for weeks, so that such hosts need no other version:
+/// Since version 7 it has what a host needs that logs for weeks:
 ///
 /// - Time: the number of a tick times the sample period is the board's clock, which a host compares
 ///   with its own; a time stamp would only repeat it.
@@ -12,4 +12,4 @@
 ///   whether it is the same life of the same board, `Sample::tick` and `Event` what is missing.
 /// - An alarm without samples: `Status::state`, `Status::history`, and `Event` in the tick of a
 ///   trip.
-pub const VERSION: u8 = 7;
+pub const VERSION: u8 = 8;

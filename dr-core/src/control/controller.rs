@@ -44,7 +44,7 @@ struct ElementState {
     drive: DriveState,
     /// Temperature, °C, or voltage shift, V.
     measured: f32,
-    /// What it was worked out from: resistance, Ω, or offset of the capacitance, F.
+    /// Measured value: resistance, Ω, or offset of the capacitance, F.
     raw: f32,
     /// Ticks in a row without a fresh reading.
     absent_ticks: u32,
@@ -166,7 +166,7 @@ impl<const N: usize> Controller<N> {
         self.tick
     }
 
-    /// Whether commands that can heat are accepted now.
+    /// Tells whether commands that can heat are accepted now.
     pub const fn is_armed(&self) -> bool {
         self.armed_ticks > 0
     }
@@ -221,7 +221,7 @@ impl<const N: usize> Controller<N> {
         self.channel(element).map_or(0.0, |channel| channel.standing_power_w(temperature_c))
     }
 
-    /// How far each configured element that holds a temperature stays from either level, by its
+    /// Distance of each configured element that holds a temperature from either level, by its
     /// model.
     pub fn margins(&self) -> impl Iterator<Item = Option<Margins>> {
         self.elements
@@ -285,9 +285,10 @@ impl<const N: usize> Controller<N> {
     }
 
     /// Trips for a cause that the board reports, unless it is tripped already. The levels of the
-    /// next tick are low; the board itself lowers those of this tick.
+    /// next tick are low; the board itself lowers those of this tick. A bit flip is counted.
     pub fn trip(&mut self, cause: Cause) {
         if !matches!(self.state, RunState::Tripped(_)) {
+            self.bit_flips = self.bit_flips.saturating_add(u32::from(cause == Cause::BitFlip));
             self.enter_tripped(Trip::whole(cause));
             self.update_state_checksum();
         }
@@ -298,15 +299,6 @@ impl<const N: usize> Controller<N> {
     pub(crate) fn lowered(&mut self) {
         self.levels = Heaters(0);
         self.update_state_checksum();
-    }
-
-    /// Trips for a bit flip outside of the controller, and counts it.
-    pub(crate) fn trip_for_bit_flip(&mut self) -> Trip {
-        let trip = Trip::whole(Cause::BitFlip);
-        self.bit_flips = self.bit_flips.saturating_add(1);
-        self.enter_tripped(trip);
-        self.update_state_checksum();
-        trip
     }
 
     /// Ends a self-test.

@@ -1,4 +1,4 @@
-//! What one element does with its heater, tick by tick.
+//! Drives of one element's heater, tick by tick.
 //!
 //! | drive | decision at t_n | experiment of the thesis |
 //! |---|---|---|
@@ -97,13 +97,13 @@ pub enum Drive {
 pub struct DriveInput {
     /// The element's temperature, °C; of a capacitor its voltage shift, V.
     pub measured: f32,
-    /// What the low level would put in now, W; of a capacitor −1.
+    /// Power that the low level would put in now, W; of a capacitor −1.
     pub low: f32,
-    /// What the high level would put in now, W; of a capacitor +1.
+    /// Power that the high level would put in now, W; of a capacitor +1.
     pub high: f32,
 }
 
-/// What a drive remembers between ticks. Which fields are in use depends on the drive.
+/// State of a drive between ticks. Which fields are in use depends on the drive.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DriveState {
     /// Modulator of `Power`; sum of the errors of `SecondOrder`.
@@ -133,7 +133,7 @@ crate::fields::fields!(enum Drive {
 });
 
 impl Drive {
-    /// Whether it can request the high level.
+    /// Tells whether it can request the high level.
     pub const fn can_heat(&self) -> bool {
         !matches!(self, Self::Passive | Self::Level(Level::Low))
     }

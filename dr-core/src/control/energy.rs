@@ -21,7 +21,7 @@ const NJ_PER_J: f32 = 1e9;
 /// 2²⁰ nJ, about 1 mJ, is a step in which budget and limit are compared.
 const STEP_BITS: u32 = 20;
 
-/// What an element bears.
+/// Energy that an element bears.
 #[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EnergyLimit {
@@ -65,7 +65,7 @@ impl EnergyBudget {
         self.spent_nj = self.spent_nj.saturating_add_signed(i64::from(net_nj));
     }
 
-    /// Whether more is spent than is granted.
+    /// Tells whether more is spent than is granted.
     pub(super) fn is_exceeded(self, limit: &EnergyLimit) -> bool {
         self.spent_nj >> STEP_BITS > u64::from(limit.most_steps())
     }

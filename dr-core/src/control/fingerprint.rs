@@ -1,8 +1,8 @@
 //! Fingerprint of the head: the resistances of its elements at the low level, kept with the
 //! settings. Another head on the plug is refused, as it has other limits and other models.
 //!
-//! What is compared is the change of each element's resistance since the fingerprint was taken, in
-//! K of [`COEFFICIENT_PER_K`]: by a law that nobody can state. The gas changes it for all elements
+//! It compares the change of each element's resistance since the fingerprint was taken, in K of
+//! [`COEFFICIENT_PER_K`]: by a law that nobody can state. The gas changes it for all elements
 //! alike, another head changes it for each element otherwise:
 //!
 //! | change since the fingerprint was taken | at most | why |
@@ -35,7 +35,7 @@ pub const CHANGE_MOST_K: f32 = 100.0;
 /// Largest difference between the changes of two elements, K.
 pub const APART_MOST_K: f32 = 8.0;
 
-/// What is known of the head on the plug.
+/// State of the check of the head on the plug.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum HeadCheck {
     /// Not all of its elements have been read.
@@ -63,7 +63,7 @@ impl HeadCheck {
         Some(Self::Same)
     }
 
-    /// What is known after a trip.
+    /// State after a trip.
     pub(super) const fn after(self, trip: Trip) -> Self {
         match trip.cause {
             Cause::Open | Cause::Short | Cause::OutOfRange | Cause::OtherHead => Self::Open,

@@ -80,7 +80,7 @@ impl Cause {
 pub struct Trip {
     /// Why.
     pub cause: Cause,
-    /// Which element, from 0; none if it is the whole instrument's.
+    /// Element, from 0; none if it is the whole instrument's.
     pub element: Option<u8>,
 }
 
@@ -103,7 +103,7 @@ impl fmt::Display for Trip {
     }
 }
 
-/// What is plausible for one element.
+/// Plausible range of one element.
 #[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Limits {
@@ -116,12 +116,12 @@ pub struct Limits {
     /// Codes from here up (or from its negative down) are the ends of the ADC's range, not
     /// readings.
     pub code_max: i32,
-    /// What power and energy it bears; without it, what the board grants.
+    /// Power and energy that it bears; without it, what the board grants.
     pub energy: Option<EnergyLimit>,
 }
 
 impl Limits {
-    /// Those of an element of sphere B, 175 Ω at 0 °C, on a converter of 24 bit. For tests.
+    /// Limits of an element of sphere B, 175 Ω at 0 °C, on a converter of 24 bit. For tests.
     pub const SPHERE_B: Self = Self {
         resistance_min_ohm: 50.0,
         resistance_max_ohm: 260.0,
@@ -177,7 +177,7 @@ impl Default for GuardConfig {
 pub enum ReadingJudgement {
     /// The reading is usable.
     Good {
-        /// What it was worked out from: resistance, Ω, or offset of the capacitance, F.
+        /// Measured value: resistance, Ω, or offset of the capacitance, F.
         raw: f32,
         /// Temperature, °C, or voltage shift, V.
         value: f32,

@@ -1,4 +1,4 @@
-//! What a board grants: limits that no message can lift.
+//! Grants of a board: limits that no message can lift.
 //!
 //! A board hands them to its controller when it makes it. A head may be stricter; a configuration
 //! beyond them is refused by the name of its number, with the bounds. Times are judged in ticks of
@@ -50,7 +50,7 @@ pub struct HardwareLimits {
     pub stuck_limit_ticks: (u32, u32),
     /// Longest time at the high level without a rise of the reading, s.
     pub no_rise_s: f32,
-    /// What an element may have whose head does not state less.
+    /// Energy that an element may have whose head does not state less.
     pub energy: EnergyLimit,
     /// Highest bias of a capacitor, either way, V; 0 without such elements.
     pub bias_max_v: f32,
@@ -199,7 +199,7 @@ mod tests {
             // Its own limit may be lower.
             assert_eq!(BOARD.check_element(&of(platinum, 40.0)), Ok(()));
         }
-        // What the table claims.
+        // Claims of the table.
         assert!(linear(175.0, 0.0031).temperature_c(BOARD.resistance_hot_ohm) < 83.0);
     }
 
@@ -209,7 +209,7 @@ mod tests {
         assert_eq!(any.check_element(&element(10e-3, 15.1e-3)), Ok(()));
         assert_eq!(refused(&any, &element(10e-3, 14.9e-3)), Parameter::CurrentHighA);
         assert_eq!(refused(&any, &element(15.9e-3, 16e-3)), Parameter::CurrentHighA);
-        // What the sentence of the table claims, in the coldest gas of any experiment.
+        // Claim of the table's sentence, in the coldest gas of any experiment.
         let platinum = Platinum::linear(175.0, 0.0031).unwrap();
         assert!(platinum.temperature_c(1.5 * platinum.resistance_ohm(-60.0)) > BOARD.temperature_max_c);
     }

@@ -27,7 +27,7 @@ use crate::fields::FieldVisitor;
 /// Trips within [`LOCK_WINDOW_S`] that lock the instrument.
 pub const LOCK_TRIPS: u32 = 3;
 
-/// How close together they have to be, s.
+/// Interval within which they have to be, s.
 pub const LOCK_WINDOW_S: u32 = 600;
 
 /// The state as words in RAM, the checksum last.
@@ -41,7 +41,7 @@ const SECOND_US: u32 = 1_000_000;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TripHistory {
-    /// How many, in any state.
+    /// Number of trips, in any state.
     pub trips: u32,
     /// Three of them in ten minutes have locked the instrument.
     pub is_locked: bool,
@@ -72,7 +72,7 @@ pub struct Lockout {
     /// The state word of the first trip; 0 without one.
     first: u32,
     first_s: u32,
-    /// Of all of the above.
+    /// Checksum of all of the above.
     sealed: Checksum,
     /// Until the next second. Not sealed: a flipped bit makes the time late, or early by a second.
     until_second_us: u32,
@@ -116,12 +116,12 @@ impl Lockout {
         [self.time_s, self.trips, newest_s, oldest_s, self.locked, self.first, self.first_s, sealed]
     }
 
-    /// Whether trips cannot be acknowledged any more.
+    /// Tells whether trips cannot be acknowledged any more.
     pub fn is_locked(&self) -> bool {
         self.locked != 0 || !self.is_intact()
     }
 
-    /// What there has been, for people.
+    /// Trips so far, for people.
     pub fn history(&self) -> TripHistory {
         let first = RunState::tripped_of(self.first).map(|trip| FirstTrip { trip, at_s: self.first_s });
         TripHistory { trips: self.trips, is_locked: self.is_locked(), first }

@@ -33,7 +33,7 @@ pub enum Refusal {
     Invalid {
         /// The element it was for, if any.
         element: Option<u8>,
-        /// Which number, and why.
+        /// Number, and why it is refused.
         error: ConfigError,
     },
     /// By its model, the element cannot hold the set-point.

@@ -1,4 +1,4 @@
-//! Whether the reading rises while an element is heated.
+//! Check that the reading rises while an element is heated.
 //!
 //! A reading that says nothing of the element lets its drive heat for ever. A heated element
 //! becomes warmer, or a drive that regulates has what it holds and goes low. So
@@ -20,10 +20,10 @@ use crate::sensor::Level;
 /// board's time in every experiment here.
 const RISE_K: f32 = 1.0;
 
-/// What a tick at the high level adds; one at the low level takes 1.
+/// Amount that a tick at the high level adds; one at the low level takes 1.
 const GAIN: u32 = 3;
 
-/// What one element has shown of its heat.
+/// Rise of one element.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Rise {
     /// The reading that it is compared with, °C.
@@ -33,7 +33,7 @@ pub(super) struct Rise {
     is_seen: bool,
 }
 
-/// What `limit_ticks` at the high level fill a bucket with.
+/// Filling of a bucket after `limit_ticks` at the high level.
 pub(super) fn full(limit_ticks: u32) -> u32 {
     limit_ticks.saturating_mul(GAIN).min(u32::MAX - 2 * GAIN)
 }

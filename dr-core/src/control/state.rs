@@ -87,7 +87,7 @@ pub mod board_mask {
 }
 
 impl Heaters {
-    /// Whether element `i` is at its high level.
+    /// Tells whether element `i` is at its high level.
     pub const fn is_high(self, i: usize) -> bool {
         i < MOST_ELEMENTS && self.0 >> i & 1 == 1
     }

@@ -14,7 +14,7 @@ use crate::error::{self, ConfigError, Parameter};
 use crate::model::{Reachability, SelfHeating, sliding_margins_w};
 use crate::sensor::Level;
 
-/// How far the power that holds an element's set-point lies from its levels, in W, in the model's
+/// Distances of the power that holds an element's set-point from its levels, in W, in the model's
 /// own wind. Of random set-points it is the coldest that comes near the low level and the hottest
 /// that comes near the high one.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,4 +1,4 @@
-//! What an element is: the seam between the controller and the physics of its elements.
+//! Kind of an element: the seam between the controller and the physics of its elements.
 //!
 //! | transducer | what it measures | its inputs, low and high | places |
 //! |---|---|---|---|
@@ -47,7 +47,7 @@ impl CapacitorConfig {
     }
 }
 
-/// What an element is.
+/// Kind of an element.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Transducer {
     /// A platinum resistor, which heats and senses.
@@ -61,7 +61,7 @@ pub(super) enum Transducer {
 impl Fields for Transducer {
     fn visit(&self, visitor: &mut impl FieldVisitor) {
         match self {
-            // What every tick of the board verifies has no word more than it needs.
+            // The part that every tick of the board verifies has no word more than it needs.
             Self::Resistor(config) => config.visit(visitor),
             Self::Capacitor(config) => {
                 visitor.word(1);
@@ -87,7 +87,7 @@ impl Transducer {
         }
     }
 
-    /// What the two levels put in at a resistance in Ω: W, or symbols.
+    /// Powers that the two levels put in at a resistance in Ω: W, or symbols.
     pub fn inputs(&self, raw: f32) -> (f32, f32) {
         match self {
             Self::Resistor(config) => {
@@ -98,7 +98,7 @@ impl Transducer {
         }
     }
 
-    /// What a level puts in at a set-point.
+    /// Powers that the levels put in at a set-point.
     pub fn inputs_at(&self, target: f32) -> (f32, f32) {
         let raw = self.resistor().map_or(0.0, |config| config.channel.platinum().resistance_ohm(target));
         self.inputs(raw)
@@ -106,7 +106,7 @@ impl Transducer {
 }
 
 impl ElementConfig {
-    /// What power and energy it may have.
+    /// Power and energy that it may have.
     pub(super) fn bears(&self, hardware: &HardwareLimits) -> EnergyLimit {
         self.limits.energy.unwrap_or(hardware.energy)
     }

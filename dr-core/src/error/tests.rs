@@ -114,7 +114,7 @@ fn spelled(parameter: Parameter) -> String {
     words
 }
 
-/// What of a name says the unit.
+/// Part of a name that says the unit.
 fn unit(name: &str) -> Vec<&str> {
     const UNITS: [&str; 17] =
         ["a", "c", "j", "k", "kg", "m", "m2", "m3", "ohm", "pa", "per", "rad", "s", "ticks", "w", "w2", "code"];

@@ -1,12 +1,15 @@
 //! A controller and its anemometer are told and ticked together.
 
+extern crate std;
+
 use super::*;
-use crate::control::{Drive, ElementConfig, Limits, Trip};
+use crate::control::{Drive, ElementConfig, Limits, RunState, Trip};
+use crate::digest::Digest;
 use crate::error::Parameter;
 use crate::model::{FasterGainsConfig, GainsConfig, NetworkCrossHeatingConfig, NetworkSelfHeatingConfig, mesh};
 use crate::sensor::{Channel, Platinum};
 use crate::wind::sphere;
-use crate::wind::{HeadSurface, QualityFlags, WindOutputConfig};
+use crate::wind::{HeadSurface, QualityFlags, WindCommand, WindOutputConfig};
 
 const PERIOD_S: f32 = 1.0 / 1024.0;
 const VOLT_PER_CODE: f32 = 4.0 / 8_388_608.0;
@@ -106,10 +109,10 @@ fn another_period_or_another_head_is_forgotten_by_both() {
         let mut instrument = instrument();
         assert!(sensed(&mut instrument).is_some());
         instrument.handle(command).unwrap();
-        assert_eq!(instrument.anemometer, Anemometer::default(), "{command:?}");
+        assert_eq!(instrument.estimator, Estimator::default(), "{command:?}");
         assert!(sensed(&mut instrument).is_none());
     }
-    // What is refused changes nothing.
+    // A refused value changes nothing.
     let mut instrument = instrument();
     start(&mut instrument);
     assert_eq!(instrument.handle(Command::Clear), Err(Refusal::NotInStandby));
@@ -162,16 +165,53 @@ fn a_head_is_described_in_standby_and_its_gas_at_any_time() {
 }
 
 #[test]
-fn the_digest_is_that_of_one_after_the_other() {
+fn the_two_digests_are_of_decision_and_of_wind() {
     let mut instrument = instrument();
     let tick = instrument.tick(&[code(-50.0), code(-54.0)]);
     let told = instrument.sense(&tick);
-    let (mut both, mut one, mut other) = (Digest::default(), Digest::default(), Digest::default());
-    instrument.digest(&tick, told.as_ref(), &mut both);
-    instrument.controller.digest(&tick, &mut one);
-    assert_ne!(both, one, "the anemometer has its share");
-    instrument.anemometer.digest(tick.elements, told.as_ref(), &mut one);
-    assert_eq!(both, one);
-    instrument.digest(&tick, None, &mut other);
-    assert_ne!(both, other);
+    let (mut with, mut without) = (RunDigests::default(), RunDigests::default());
+    instrument.digest(&tick, told.as_ref(), &mut with);
+    instrument.digest(&tick, None, &mut without);
+    assert_eq!(with.control, without.control);
+    assert!(with.wind != without.wind && without.wind != Digest::default(), "the network has its share");
+}
+
+#[test]
+fn ticks_that_got_lost_leave_the_estimate_starting() {
+    let mut instrument = instrument();
+    start(&mut instrument);
+    while sensed(&mut instrument).unwrap().quality_flags.has(QualityFlags::STARTING) {}
+    let tick = instrument.tick(&[code(-50.0), code(-54.0)]);
+    let mut of_next = |follows_gap| {
+        let estimated = instrument.estimator.take(&instrument.decider.handover(&tick, follows_gap));
+        estimated.wind.unwrap().quality_flags.has(QualityFlags::STARTING)
+    };
+    assert!(!of_next(false) && of_next(true) && of_next(false));
+}
+
+#[test]
+fn a_bit_that_flips_in_the_estimator_trips_once_and_is_counted() {
+    let mut instrument = instrument();
+    start(&mut instrument);
+    instrument.estimator.flip_a_setting();
+    let flips = |instrument: &mut Instrument<2>| {
+        sensed(instrument);
+        instrument.controller().bit_flips()
+    };
+    // Pieces are verified in turn.
+    let counts: std::vec::Vec<u32> = (0..1000).map(|_| flips(&mut instrument)).collect();
+    assert_eq!((counts[0], counts[999]), (0, 1));
+    let trip = Trip::whole(Cause::BitFlip);
+    assert_eq!(instrument.controller().state(), RunState::Tripped(trip));
+    instrument.handle(Command::Acknowledge).unwrap();
+    assert_eq!(instrument.estimator, Estimator::default(), "it cannot be located: all settings are void");
+}
+
+#[test]
+fn a_command_does_not_cover_a_flipped_bit() {
+    let mut instrument = instrument();
+    instrument.estimator.flip_a_setting();
+    let refusal = Refusal::Tripped(Trip::whole(Cause::BitFlip));
+    assert_eq!(instrument.handle(Command::Wind(answer())), Err(refusal));
+    assert_eq!((instrument.handle(Command::Start), instrument.controller().bit_flips()), (Err(refusal), 1));
 }

@@ -1,5 +1,5 @@
-//! What f32 of the board and f64 of the host have in common: formulas that both need stand once,
-//! and round as their number does.
+//! Common operations of the board's f32 and the host's f64: formulas that both need stand once, and
+//! round as their number does.
 
 use core::ops::{Add, Div, Mul, Sub};
 

@@ -28,7 +28,7 @@ pub struct Relaxations<const K: usize> {
 pub struct RelaxationState<const K: usize> {
     /// x_k, in the unit of the input.
     pub x: [f32; K],
-    /// What the last additions to x_k gave too much; taken off the next ones.
+    /// Excess of the last additions to x_k; taken off the next ones.
     pub excess: [f32; K],
 }
 

@@ -97,7 +97,7 @@ impl SelfHeating {
         observer.estimate(remembered, &weighted_k, pairwise_sum(weighted_k), measured_rise_k)
     }
 
-    /// Whether `target_c` can be held between two levels in W.
+    /// Tells whether `target_c` can be held between two levels in W.
     pub fn reachability(&self, target_c: f32, power_low_w: f32, power_high_w: f32) -> Reachability {
         reachability(self.symbol.steady_gain_k_per_w(), target_c - self.reference_c, power_low_w, power_high_w)
     }

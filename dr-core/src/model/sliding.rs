@@ -20,7 +20,7 @@
 
 use super::real::Real;
 
-/// Whether a rise can be held between two levels, and by which margin.
+/// Verdict on a rise between two levels, and its margin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Reachability<R = f32> {
@@ -72,7 +72,7 @@ pub fn equivalent_control<R: Real>(rates_rad_s: &[R], weighted_k: &[R], high_fre
     falling_k_per_s / high_frequency_gain_k_per_j
 }
 
-/// How far the equivalent control is from either level: (u_eq − P_off, P_on − u_eq) in W. The loop
+/// Distance of the equivalent control from either level: (u_eq − P_off, P_on − u_eq) in W. The loop
 /// slides while both are greater than zero (thesis 2.47).
 #[inline]
 pub fn sliding_margins_w<R: Real>(equivalent_w: R, power_low_w: R, power_high_w: R) -> (R, R) {

@@ -32,7 +32,7 @@ pub struct Capacitor {
     second_share: f32,
 }
 
-/// What two readings of a symbol amount to.
+/// Result of two readings of a symbol.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shift {
     /// V_sh, V.

@@ -37,7 +37,7 @@ pub enum FrontEndInput {
     Reference,
 }
 
-/// What [`FrontEndInput::Reference`] reads if voltage and converter are right: half the scale of a
+/// Reading of [`FrontEndInput::Reference`] if voltage and converter are right: half the scale of a
 /// converter of 24 bit.
 pub const REFERENCE_CODE: i32 = 1 << 22;
 
@@ -52,7 +52,7 @@ pub enum Level {
     High,
 }
 
-/// How one element is wired: its resistor, its two currents and the ADC's scale. Checked when it is
+/// Wiring of one element: its resistor, its two currents and the ADC's scale. Checked when it is
 /// made.
 #[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -145,7 +145,7 @@ mod tests {
 
     #[test]
     fn a_ramp_comes_out_late_by_the_stated_delay() {
-        // Of a ramp of one count a tick each output is the ramp's value in the middle of its
+        // Each output of a ramp of one count a tick is the ramp's value in the middle of its
         // window.
         let count_w = 1.0 / COUNTS_PER_WATT;
         let decimator = Decimator::<3>::new(9).unwrap();

@@ -97,11 +97,12 @@ pub struct Anemometer<const N: usize> {
     output: Option<PreparedOutput>,
     pressure_pa: Option<f32>,
     given_gas_c: Option<f32>,
-    /// Of slow errors, by the head's table or, off line, by what was found in a recording.
+    /// Corrections of slow errors, by the head's table or, off line, by what was found in a
+    /// recording.
     corrections: Option<[SurfaceCorrection; SECTORS]>,
     state: AnemometerState<N>,
-    /// Of all pieces; set with the first command. Checksums in the constructor would make the
-    /// compiler build the large value on the stack and copy it.
+    /// Checksums of all pieces; set with the first command. Checksums in the constructor would make
+    /// the compiler build the large value on the stack and copy it.
     checksums: Option<[Checksum; MOST_PIECES]>,
 }
 
@@ -343,9 +344,9 @@ impl<const N: usize> Anemometer<N> {
         self.state.network.convection_w(element)
     }
 
-    /// Whether an element with a surface has been at one level for too long. A core that loses its
-    /// fight with a warm support does no harm: its temperature is read, and its heat is not taken
-    /// for known.
+    /// Tells whether an element with a surface has been at one level for too long. A core that
+    /// loses its fight with a warm support does no harm: its temperature is read, and its heat is
+    /// not taken for known.
     fn is_saturated(&self, output: &PreparedOutput) -> bool {
         let mut level_ticks = self.state.level_ticks.iter().enumerate();
         level_ticks.any(|(i, &ticks)| {
@@ -369,6 +370,11 @@ impl<const N: usize> Anemometer<N> {
             None => gas_c?,
         };
         self.setup.gas_law.as_ref()?.at(self.pressure_pa?, properties_c).ok()
+    }
+
+    /// Ticks from one estimate to the next; none before the set-up is complete.
+    pub fn output_interval_ticks(&self) -> Option<u16> {
+        self.output.as_ref().map(|output| output.config.output_interval_ticks)
     }
 
     /// Adds the state of an instrument of so many elements and the estimate to a digest; nothing

@@ -1,4 +1,5 @@
-//! What a calibration adds to the standard uncertainty of a wind, and which residuals it explains.
+//! Amount that a calibration adds to the standard uncertainty of a wind, and which residuals it
+//! explains.
 //!
 //! The inverse knows the noise of the readings. A calibration misses each conductance besides, and
 //! with them the wind; by how much was seen in winds that were left out of it, by Reynolds number:
@@ -24,11 +25,11 @@
 //! show, hence the last factor: with it 95 % intervals hold some 85 % of winds with the gain of one
 //! sector off by 5 %, without it 63 %.
 //!
-//! Which winds show a fault depends on where they come from, so the flag `inconsistent` stays
-//! while more than a quarter of the remembered estimates were contradicted; a wind that jumps
-//! contradicts itself for a moment, too. Starting, saturated, ambiguous and extrapolated ones, and
-//! those of still or slow gas, are not remembered. Winds that are slower than all of the
-//! calibration, and not still, are flagged `below-calibration`.
+//! Winds that show a fault depends on where they come from, so the flag `inconsistent` stays while
+//! more than a quarter of the remembered estimates were contradicted; a wind that jumps contradicts
+//! itself for a moment, too. Starting, saturated, ambiguous and extrapolated ones, and those of
+//! still or slow gas, are not remembered. Winds that are slower than all of the calibration, and
+//! not still, are flagged `below-calibration`.
 //!
 //! A gas temperature that no calibration has had adds its own shares, which are not widened.
 //!
@@ -45,12 +46,12 @@ use core::f32::consts::PI;
 /// Reynolds numbers at which shares are given, in geometric progression over the calibration's.
 pub const KNOTS: usize = 4;
 
-/// What few numbers leave open of the size of a contradiction.
+/// Factor for the size of a contradiction by few numbers.
 const BY_FEW: f32 = 3.0;
 
 /// Speeds of fewer standard uncertainties are none: that of three components of noise is often two.
 const STILL: f32 = 4.0;
-/// How long contradictions are remembered, s.
+/// Time for which contradictions are remembered, s.
 pub const MEMORY_S: f32 = 300.0;
 /// Share of them from which on the flag stays.
 const MOST_CONTRADICTED: f32 = 0.25;
@@ -84,14 +85,14 @@ impl ContradictionMemory {
     }
 }
 
-/// What turns speeds into Reynolds numbers of a calibration.
+/// Scale that turns speeds into Reynolds numbers of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpeedScale {
     /// Least and greatest Reynolds number of the calibration.
     pub reynolds: [f32; 2],
     /// Reynolds number of 1 m/s.
     pub per_speed: f32,
-    /// What the gas's temperature adds: shares of the speed, and rad.
+    /// Amount that the gas's temperature adds: shares of the speed, and rad.
     pub away: [f32; 2],
 }
 
@@ -119,7 +120,7 @@ pub struct CalibrationUncertainty {
 }
 
 impl CalibrationUncertainty {
-    /// As it is, if it can be.
+    /// Returns it as it is, if it can be.
     ///
     /// # Errors
     /// A share that is negative or more than one, a direction beyond π, or a χ² below one.
@@ -165,7 +166,7 @@ impl CalibrationUncertainty {
         let along_m_s = at(&self.speed_share, place) * size_m_s;
         let across_m_s = at(&self.direction_rad, place) * size_m_s;
         let per_square = if wind.speed_m_s > 0.0 { 1.0 / square(wind.speed_m_s) } else { 0.0 };
-        // What another gas temperature leaves open causes contradictions, and is not widened.
+        // The uncertainty of another gas temperature causes contradictions, and is not widened.
         let whole = |known_m_s: f32, away_m_s: f32| wider * square(known_m_s) + square(away_m_s);
         let (added_along, added_across) = (whole(along_m_s, away_along_m_s), whole(across_m_s, away_across_m_s));
         let mut covariance_m2_s2 = wind.covariance_m2_s2;

@@ -62,11 +62,11 @@ pub struct CardConfig {
     pub mean: [f32; KNOTS],
     /// Size of the differences there.
     pub difference: [f32; KNOTS],
-    /// Of cos nθ in P.
+    /// Coefficients of cos nθ in P.
     pub along: [f32; TERMS],
-    /// Of sin (n+1)θ in Q.
+    /// Coefficients of sin (n+1)θ in Q.
     pub around: [f32; TERMS],
-    /// Of cos nθ in E.
+    /// Coefficients of cos nθ in E.
     pub seen: [f32; TERMS],
     /// Standard error of the curve M, as a share of what the wind adds to it.
     pub mean_share: f32,
@@ -116,9 +116,9 @@ struct Ray {
     root_seen: f32,
 }
 
-/// What a direction means: between two rays.
+/// Direction: between two rays.
 struct Direction {
-    /// Of length one.
+    /// Direction of length one.
     towards: [f32; 2],
     /// Size of (P, Q).
     size: f32,
@@ -307,7 +307,7 @@ impl Card {
             .with(QualityFlags::EXTRAPOLATED, root > self.most_root);
         let speed_per_reynolds = 1.0 / gas.reynolds_per_speed(self.side_m);
         let speed_m_s = root * root * speed_per_reynolds;
-        // Of a square near zero: 2 x σ is less than σ² then.
+        // Near zero the square has 2 x σ below σ².
         let speed_error_m_s = (2.0 * root * sqrt(variance)).max(variance) * speed_per_reynolds;
         let [u, v] = direction.map_or([0.0; 2], |direction| direction.towards);
         let (along, around) = (plus(scaled(self.basis[0], u), v, self.basis[1]), [-v, u]);
@@ -317,7 +317,7 @@ impl Card {
         let mut covariance_m2_s2 = [[0.0; 3]; 3];
         plus_outer(&mut covariance_m2_s2, speed_error_m_s * speed_error_m_s, along);
         plus_outer(&mut covariance_m2_s2, sideways_m_s * sideways_m_s, around);
-        // What couples them: a b + b a = ½ ((a + b)² − (a − b)²).
+        // Coupling: a b + b a = ½ ((a + b)² − (a − b)²).
         let coupled = 0.5 * 2.0 * root * speed_per_reynolds * with_angle * speed_m_s;
         plus_outer(&mut covariance_m2_s2, coupled, plus(along, 1.0, around));
         plus_outer(&mut covariance_m2_s2, -coupled, plus(along, -1.0, around));

@@ -1,5 +1,5 @@
-//! How a calibrated head's convection is taken: at which temperature the properties of the gas,
-//! with which Nusselt number at rest, and from which free stream.
+//! Convection of a calibrated head: at which temperature the properties of the gas, with which
+//! Nusselt number at rest, and from which free stream.
 //!
 //! ```text
 //! T_p = T_gas + φ ΔT         φ = 0 of the gas, ½ of the film (Incropera and DeWitt, ch. 6)
@@ -38,7 +38,7 @@ pub struct ConvectionConfig {
     pub direction_rad_per_k: f32,
     /// Rise of the warmed gas.
     pub rise: Option<RiseConfig>,
-    /// What is behind the stem.
+    /// Stream behind the stem.
     pub stem: Option<StemConfig>,
 }
 
@@ -76,13 +76,13 @@ impl ConvectionSettings {
         })
     }
 
-    /// Whether the calibration assumes the properties of the film: gas of one temperature, at one
-    /// overheat, does not tell.
+    /// Tells whether the calibration assumes the properties of the film: gas of one temperature, at
+    /// one overheat, does not tell.
     pub fn is_film_assumed(&self) -> bool {
         self.film_share > 0.0 && self.away_per_k[0] > ASSUMED_PER_K
     }
 
-    /// What a gas temperature that no calibration has had adds to the uncertainty: shares of the
+    /// Amount that a gas temperature without a calibration adds to the uncertainty: shares of the
     /// speed, and rad.
     pub fn away(&self, gas_c: f32) -> [f32; 2] {
         let [least_c, most_c] = self.gas_c;

@@ -35,7 +35,7 @@ pub struct WindEstimate {
     pub steps: u8,
     /// The other wind that fits as well (`AMBIGUOUS`), m/s; without what the head leaves open.
     pub other_m_s: Option<[f32; 3]>,
-    /// What limits the estimate. `FAILED`: the vector is zero, and each variance is `f32::MAX`.
+    /// Limits of the estimate. `FAILED`: the vector is zero, and each variance is `f32::MAX`.
     pub quality: QualityFlags,
 }
 
@@ -70,7 +70,7 @@ impl WindEstimate {
         }
     }
 
-    /// Whether every number in it is one.
+    /// Tells whether every number in it is one.
     pub(super) fn is_finite(&self) -> bool {
         let scalars =
             [self.speed_m_s, self.across_m_s, self.speed_error_m_s, self.direction_error_rad, self.chi_square];
@@ -93,7 +93,7 @@ pub struct LeastSquaresSolution<'a> {
     /// The equations' matrix in the frame, to Reynolds numbers, in units of 1/`scale_m2_s2`.
     pub normal: Matrix,
     pub scale_m2_s2: f32,
-    /// Whether it is the minimum, or fits as it is.
+    /// It is the minimum, or fits as it is.
     pub fits: bool,
 }
 

@@ -1,4 +1,4 @@
-//! What kind of body the surfaces of a head belong to: which winds they tell apart, and how the
+//! Kind of body that the surfaces of a head belong to: which winds they tell apart, and how the
 //! Nusselt number of each depends on where the wind comes from.
 //!
 //! | form | surfaces | Nu of a surface | determined |
@@ -60,12 +60,12 @@ impl HeadForm {
         }
     }
 
-    /// Whether the surfaces are parts of a sphere.
+    /// Tells whether the surfaces are parts of a sphere.
     pub const fn is_sphere(self) -> bool {
         self.dimensions() == 3
     }
 
-    /// How many surfaces it has.
+    /// Number of its surfaces.
     pub const fn surfaces(self) -> RangeInclusive<usize> {
         match self {
             Self::Single => 1..=1,

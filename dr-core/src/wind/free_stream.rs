@@ -57,7 +57,7 @@ pub struct RiseConfig {
     pub decay: f32,
 }
 
-/// What is behind a stem.
+/// Stream behind a stem.
 #[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StemConfig {
@@ -76,7 +76,7 @@ pub struct StemConfig {
 pub struct FreeStream {
     rise: Option<RiseConfig>,
     stem: Option<StemConfig>,
-    /// Whether the stem changes any stream.
+    /// The stem changes any stream.
     is_mapped: bool,
 }
 
@@ -116,7 +116,7 @@ impl FreeStream {
         Ok(Self { rise: rise.transpose()?, stem, is_mapped })
     }
 
-    /// Whether nothing is known of it: stream and wind are one, and no wind is flagged.
+    /// Tells whether nothing is known of it: stream and wind are one, and no wind is flagged.
     pub const fn is_none(&self) -> bool {
         self.rise.is_none() && self.stem.is_none()
     }
@@ -257,7 +257,7 @@ impl StemConfig {
         BehindStem { factor: through(&self.factor, 1.0), turned: 1.0 + through(&self.deflection, 0.0) }
     }
 
-    /// Whether two directions of the wind would become one.
+    /// Tells whether two directions of the wind would become one.
     fn crosses(&self) -> bool {
         let mut last = 0.0;
         (1..=PLACES).any(|n| {
@@ -306,7 +306,7 @@ impl StemConfig {
         (chord(along) < STEM_CHORD).then(|| (speed_m_s, along, plus(from, -along, self.axis)))
     }
 
-    /// Whether a wind may come from where none was seen.
+    /// Tells whether a wind may come from where none was seen.
     fn is_near(&self, wind_m_s: [f32; 3], direction_error_rad: f32) -> bool {
         let speed_m_s = length(wind_m_s);
         let along = if speed_m_s > 0.0 { -dot(wind_m_s, self.axis) / speed_m_s } else { -1.0 };

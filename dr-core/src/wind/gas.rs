@@ -1,5 +1,5 @@
-//! What of the gas decides between wind and heat: one value for each of the three properties that
-//! the equations contain.
+//! Properties of the gas that decide between wind and heat: one value for each of the three
+//! properties that the equations contain.
 //!
 //! ```text
 //! Re = |v| ρ d / µ          G = Nu k A / d

@@ -1,4 +1,4 @@
-//! What a gas is like at the pressure and temperature of the moment.
+//! Properties of a gas at the pressure and temperature of the moment.
 //!
 //! ```text
 //! ρ = p / (R_s (T + 273.15))

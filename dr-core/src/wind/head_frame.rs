@@ -1,4 +1,4 @@
-//! Which components of a wind the axes of a head determine.
+//! Components of a wind that the axes of a head determine.
 //!
 //! Parts see the wind by the cosines to their axes and by its speed. Axes that span space determine
 //! all of it. Axes in a plane leave open on which side of the plane the wind comes from, axes on
@@ -80,7 +80,7 @@ impl HeadFrame {
         self.unknowns
     }
 
-    /// Whether all unknowns are determined with their sign.
+    /// Tells whether all unknowns are determined with their sign.
     pub const fn is_complete(&self) -> bool {
         self.determined == self.unknowns
     }
@@ -96,7 +96,7 @@ impl HeadFrame {
         plus(plus(scaled(a, components[0]), components[1], b), components[2], c)
     }
 
-    /// What of a vector is determined with its sign.
+    /// Part of a vector that is determined with its sign.
     pub fn determined_part(&self, vector: [f32; 3]) -> [f32; 3] {
         let mut components = self.inward(vector);
         components.iter_mut().skip(self.determined).for_each(|component| *component = 0.0);

@@ -157,7 +157,7 @@ impl Nusselt {
         }
     }
 
-    /// Whether a Reynolds number lies above the grid, where the amplitudes are guessed.
+    /// Tells whether a Reynolds number lies above the grid, where the amplitudes are guessed.
     pub fn extrapolates(&self, reynolds: f32) -> bool {
         reynolds > self.most_reynolds
     }
@@ -193,7 +193,7 @@ impl Nusselt {
 
     fn below(&self, s: f32) -> Amplitudes {
         let edge = &self.rows[1];
-        // Of a_n with n ≥ 2: A s², 2 A s².
+        // For a_n with n ≥ 2: A s², 2 A s².
         let mut at = Amplitudes { value: edge.map(|a| a * s * s), slope: edge.map(|a| 2.0 * a * s * s) };
         for (n, base) in [(0, self.at_rest), (1, 0.0)] {
             let beta = self.bend[n];

@@ -61,7 +61,7 @@ impl QualityFlags {
         (Self::NEAR_STEM, "near-stem"),
     ];
 
-    /// Whether all flags of `other` are set.
+    /// Tells whether all flags of `other` are set.
     pub const fn has(self, other: Self) -> bool {
         self.0 & other.0 == other.0
     }

@@ -13,7 +13,7 @@
 //! error of √(2σ/|b|), with σ² the variance of weight one. Its information, ½ σ |b| e eᵀ in the
 //! units of A, is a thousandth of A elsewhere, and all there is on the fold.
 
-use super::descent::{DescentResult, Inverse, StreamAround, WeightedNusselt};
+use super::gauss_newton::{GaussNewtonResult, Inverse, StreamAround, WeightedNusselt};
 use super::normal::{Factors, Matrix, plus_outer};
 use crate::arithmetic::{dot, length, plus, scaled, sqrt};
 
@@ -30,16 +30,16 @@ pub struct Singularity {
     /// Where the other solution may be: by the parabola, and beyond, since b grows less with
     /// distance than it says.
     pub others: [[f32; 3]; 3],
-    /// What b adds to A, in the frame.
+    /// Amount that b adds to A, in the frame.
     pub information: Matrix,
-    /// Whether the solution is on the fold: there steps do not converge, if the conductances are
-    /// those of no wind by more than their noise.
+    /// The solution is on the fold: there steps do not converge, if the conductances are those of
+    /// no wind by more than their noise.
     pub is_fold: bool,
 }
 
 impl Inverse<'_> {
     /// The fold near a solution, if there is one.
-    pub fn singularity(&self, found: &DescentResult) -> Option<Singularity> {
+    pub fn singularity(&self, found: &GaussNewtonResult) -> Option<Singularity> {
         let speed = length(found.reynolds);
         let weakest = weakest(&found.normal)?;
         let along = self.frame.outward(weakest);

@@ -33,7 +33,7 @@ use crate::error::{self, ConfigError, Parameter};
 const MOST_OFFSET_W: f32 = 1.0;
 const GAINS: [f32; 2] = [-0.9, 9.0];
 
-/// What is added to a conductance and multiplied with it.
+/// Offset and gain of a conductance.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Fields!)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SurfaceCorrection {
@@ -75,7 +75,7 @@ impl SurfaceCorrection {
         }
     }
 
-    /// As it is, if it can be.
+    /// Returns it as it is, if it can be.
     ///
     /// # Errors
     /// A number that is not finite, or larger than those of a sound head.
@@ -196,7 +196,7 @@ mod tests {
         let (g, share) = (1e-3, 1.0 / 30.0);
         let one_by_one = anew.corrected_w_k(former.corrected_w_k(g, share), share);
         assert!((both.corrected_w_k(g, share) / one_by_one - 1.0).abs() < 1e-6, "{both:?}");
-        // What was sought anew is as certain as that; what was not stays as it was.
+        // An error that was sought anew is as certain as that; another stays as it was.
         assert_eq!((both.offset_u_w, both.gain_u), (2e-5 / 1.05, 0.01));
         assert_eq!(SurfaceCorrection::default().on_top_of(&former), former);
     }

@@ -17,8 +17,8 @@
 //! For wires n and w are turned to twice their angles in the plane, which makes cos 2φ a component.
 //! Of the directions that halving leaves open that one is taken which the wires' axes face most.
 
-use super::descent::Inverse;
 use super::form::HeadForm;
+use super::gauss_newton::Inverse;
 use super::normal::{Factors, decouple, plus_outer};
 use super::nusselt::POINTS;
 use super::surface::NusseltSurface;

@@ -186,8 +186,8 @@ impl NusseltSurface {
         LocalNusselt { nusselt, gradient: scaled(gradient, -1.0 / reynolds) }
     }
 
-    /// What a unit of each amplitude gives in a wind from the unit vector `from`: q_n, and −(1 − w
-    /// wᵀ) ∂q_n/∂w as the gradient. For a calibration, in which the amplitudes are unknown.
+    /// Amount that a unit of each amplitude gives in a wind from the unit vector `from`: q_n, and
+    /// −(1 − w wᵀ) ∂q_n/∂w as the gradient. For a calibration, in which the amplitudes are unknown.
     pub fn per_amplitude(&self, from: [f32; 3]) -> [LocalNusselt; ORDERS] {
         core::array::from_fn(|n| {
             let mut unit = Amplitudes { value: [0.0; ORDERS], slope: [0.0; ORDERS] };
@@ -200,7 +200,7 @@ impl NusseltSurface {
     pub fn local_at_rest(&self, nusselt: f32, slope_of_first: f32) -> LocalNusselt {
         let along_axis = match self.form {
             HeadForm::Sphere | HeadForm::Cube | HeadForm::Cylinder => -self.first_mean() * slope_of_first,
-            // What has no front loses alike whichever way a wind begins.
+            // A surface without a front loses alike whichever way a wind begins.
             HeadForm::Wires | HeadForm::Single => 0.0,
         };
         LocalNusselt { nusselt, gradient: scaled(self.axis, along_axis) }

@@ -5,7 +5,7 @@
 //! v = r µ / (ρ d)               C = (µ/(ρ d))² (Σ J_i J_iᵀ / σ_i²)⁻¹
 //! ```
 //!
-//! The `start` is the linear inverse, the rest is Gauss–Newton (`descent`). The covariance C is
+//! The `start` is the linear inverse, the rest is Gauss–Newton (`gauss_newton`). The covariance C is
 //! that of the noise alone, as the variances of the conductances say it; what the calibration, the
 //! gas properties or the support of the sphere do wrong shows at best in `chi_square`.
 //!
@@ -19,9 +19,9 @@
 //! | a single element | 1 | the speed (`undetermined`, `no-direction`) |
 //! | two hemispheres | 2 | the component along their axis, and the size of what is across it (`undetermined`) |
 //!
-//! What is across and has no sign is not in the vector, but in `speed_m_s` and `across_m_s`; the
-//! covariance there is that of a vector of this size in any of the directions left open, so that it
-//! does not look as if the wind had none.
+//! A component across that has no sign is not in the vector, but in `speed_m_s` and `across_m_s`;
+//! the covariance there is that of a vector of this size in any of the directions left open, so
+//! that it does not look as if the wind had none.
 //!
 //! *Accuracy* on an ideal 10 mm sphere in CO2 of 1000 Pa, Re 22 … 200, whose own table is the
 //! calibration: 0.003° and 0.01 % of speed rms (0.012° and 0.05 % at most, near the table's end),
@@ -32,12 +32,12 @@
 //! at 4 times.
 //!
 //! *Cost*: see `docs/reference/numbers.md`. No wind and a missing sector cost most; the limit is
-//! `descent::MOST_STEPS_IN_ALL` steps from all starts together.
+//! `gauss_newton::MOST_STEPS_IN_ALL` steps from all starts together.
 
-use super::descent::{DescentResult, Inverse, MOST_STEPS_IN_ALL, StreamAround, WeightedNusselt};
 use super::estimate::{LeastSquaresSolution, WindEstimate};
 use super::form::{HeadForm, MOST_SURFACES};
 use super::gas::GasState;
+use super::gauss_newton::{GaussNewtonResult, Inverse, MOST_STEPS_IN_ALL, StreamAround, WeightedNusselt};
 use super::head_frame::HeadFrame;
 use super::normal::{Matrix, plus};
 use super::nusselt::{Nusselt, NusseltConfig};
@@ -150,7 +150,7 @@ impl WindVector {
         self.nusselt.rest_at(nusselt_at_rest)
     }
 
-    /// Whether it determines all components of a wind.
+    /// Tells whether it determines all components of a wind.
     pub const fn is_complete(&self) -> bool {
         self.frame.determined() == 3
     }
@@ -159,7 +159,7 @@ impl WindVector {
         self.surfaces.get(..usize::from(self.count)).unwrap_or(&self.surfaces)
     }
 
-    /// What the surfaces lose in a wind, and how that changes with it; of cylinders and wires in a
+    /// Losses of the surfaces in a wind, and how that changes with it; of cylinders and wires in a
     /// wind of their plane. Beyond the surfaces nothing.
     pub fn conductances(&self, gas: &GasState, wind_m_s: [f32; 3]) -> [Conductance; MOST_SURFACES] {
         let per_speed = gas.reynolds_per_speed(self.diameter_m);
@@ -251,7 +251,7 @@ impl WindVector {
 
     /// The matrix of the equations at the solution, and where the head leaves something open, at
     /// least a little off its axes: with nothing across them its size has no derivative.
-    fn normal_off_the_axes(&self, inverse: &Inverse, found: &DescentResult) -> (Matrix, f32) {
+    fn normal_off_the_axes(&self, inverse: &Inverse, found: &GaussNewtonResult) -> (Matrix, f32) {
         let determined = self.frame.determined();
         // The bound is never met; it lets the compiler drop a panic.
         if self.frame.is_complete() || determined >= 3 {
@@ -281,9 +281,9 @@ pub(super) fn nusselt_number(
     good
 }
 
-/// Whether it is a minimum, or as good as one: on a fold, and near the cusp of Nu in quiescent gas,
-/// the steps do not converge.
-fn fits(found: &DescentResult, variance: f32) -> bool {
+/// Tells whether it is a minimum, or as good as one: on a fold, and near the cusp of Nu in
+/// quiescent gas, the steps do not converge.
+fn fits(found: &GaussNewtonResult, variance: f32) -> bool {
     found.converged || found.cost <= AS_GOOD * variance
 }
 
@@ -294,7 +294,11 @@ fn fits(found: &DescentResult, variance: f32) -> bool {
 /// face and the last wind may have another. Where surfaces are missing or hardly known (`twins`),
 /// all starts are followed, the other side of the fold among them; of solutions that are as good as
 /// each other the one nearest to `last` is taken, or without a last one the better.
-fn solve(inverse: &Inverse, last: Option<[f32; 3]>, twins: bool) -> Option<(DescentResult, Option<DescentResult>)> {
+fn solve(
+    inverse: &Inverse,
+    last: Option<[f32; 3]>,
+    twins: bool,
+) -> Option<(GaussNewtonResult, Option<GaussNewtonResult>)> {
     let mut left = MOST_STEPS_IN_ALL;
     if let (Some(last), false) = (last, twins || inverse.form == HeadForm::Wires) {
         let near = inverse.descend_within(last, STEPS_FROM_LAST, &mut left);
@@ -330,8 +334,8 @@ fn consider(
     last: Option<[f32; 3]>,
     start: [f32; 3],
     left: &mut u8,
-    best: &mut DescentResult,
-    other: &mut Option<DescentResult>,
+    best: &mut GaussNewtonResult,
+    other: &mut Option<GaussNewtonResult>,
 ) {
     let distance = |a: [f32; 3], b: [f32; 3]| length(along(a, -1.0, b));
     let found = inverse.descend(start, left);

@@ -21,9 +21,9 @@ use dr_core::signal::{Decimator, DecimatorState, Prbs, SigmaDelta};
 use dr_core::wind::{
     self, CalibrationUncertainty, ConvectionConfig, GasLawConfig, GasState, HeadForm, HeadSurface, MOST_SURFACES,
     MeasuredConductance, NusseltConfig, RiseConfig, StemConfig, WindCommand, WindEstimate, WindOutputConfig, WindState,
-    WindTick, WindVector,
+    WindVector,
 };
-use dr_core::{Command, Instrument};
+use dr_core::{Command, Decider, Estimated, Estimator, Handover};
 // For the table of interrupts, of which none is used.
 use stm32f4xx_hal as _;
 
@@ -125,20 +125,27 @@ fn wind_3_sectors(head: &WindVector, state: &mut WindState, gas: &GasState, meas
     black_box(head).step(state, gas, measured)
 }
 
+/// What a tick costs the control task for its estimate: the handover to the other task.
+#[unsafe(no_mangle)]
+#[inline(never)]
+fn handover_6_elements(decider: &Decider<ELEMENTS>, tick: &Tick<ELEMENTS>) -> Handover<ELEMENTS> {
+    decider.handover(tick, false)
+}
+
 /// The anemometer's half of a tick: quiescent-gas network of six elements with all cross-heating,
 /// and the wind of four sectors in every tick.
 #[unsafe(no_mangle)]
 #[inline(never)]
-fn anemometer_6_elements(instrument: &mut Instrument<ELEMENTS>, tick: &Tick<ELEMENTS>) -> Option<WindTick> {
-    instrument.sense(tick)
+fn anemometer_6_elements(estimator: &mut Estimator<ELEMENTS>, handover: &Handover<ELEMENTS>) -> Estimated {
+    estimator.take(handover)
 }
 
 /// The same in ticks without an output.
 #[unsafe(no_mangle)]
 #[inline(never)]
-fn anemometer_between_outputs(instrument: &mut Instrument<ELEMENTS>, tick: &Tick<ELEMENTS>) -> Option<WindTick> {
+fn anemometer_between_outputs(estimator: &mut Estimator<ELEMENTS>, handover: &Handover<ELEMENTS>) -> Estimated {
     // A word of its own keeps the linker from merging it with the function above.
-    black_box(instrument).sense(tick)
+    black_box(estimator).take(handover)
 }
 
 /// Every kernel, or nothing if a configuration is refused.
@@ -241,8 +248,15 @@ fn anemometer() -> Option<()> {
     const LOSS_W_K: f32 = 1e-3;
     const QUIESCENT_W_K: f32 = 1.7e-4;
     const GAS_C: f32 = -53.0;
-    let mut instrument = Instrument::<ELEMENTS>::new(&HardwareLimits::SENSOR_BOARD);
-    let mut send = |command| instrument.handle(command).ok();
+    let mut decider = Decider::<ELEMENTS>::new(&HardwareLimits::SENSOR_BOARD);
+    let mut estimator = Estimator::<ELEMENTS>::default();
+    let mut send = |command| {
+        let mut done = Some(());
+        decider
+            .handle(command, |handover| done = estimator.take(&handover).reply.map_or(done, |of| of.ok().map(drop)))
+            .ok()?;
+        done
+    };
     send(Command::SamplePeriod { sample_period_s: 1e-3 })?;
     let config = element()?;
     for element in 0..ELEMENTS as u8 {
@@ -335,11 +349,12 @@ fn anemometer() -> Option<()> {
     for n in 0..CONTROL_TICKS {
         let readings = core::array::from_fn(|i| reading(&config, temperature_c[i], heaters.is_high(i)));
         let conductances = vector.conductances(&gas, [3.0, -4.0 + 0.005 * n as f32, 1.0]);
-        let tick = instrument.tick(black_box(&readings));
+        let tick = decider.tick(black_box(&readings));
+        let handover = handover_6_elements(black_box(&decider), black_box(&tick));
         heaters = tick.heaters;
         let outputs = n % u32::from(OUTPUT_INTERVAL) == 0;
         let sense = if outputs { anemometer_6_elements } else { anemometer_between_outputs };
-        black_box(sense(black_box(&mut instrument), black_box(&tick)));
+        black_box(sense(black_box(&mut estimator), black_box(&handover)));
         for (i, (temperature, power_w)) in temperature_c.iter_mut().zip(tick.power_w).enumerate() {
             let wind_w_k = conductances
                 .get(i)

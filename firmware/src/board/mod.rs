@@ -9,7 +9,7 @@
 //! | `FrontEnd` | `poll` gives the readings of a tick that is complete, `apply` sets the heaters |
 //! | `HostReceiver`, `HostTransmitter` | bytes from the host, frames to it |
 //! | `Watchdog` | `feed` |
-//! | `SettingsFlash`, `settings_flash` | where settings are kept |
+//! | `SettingsFlash` | three sectors for the settings |
 //! | `Idler` | `wait` sleeps, `check` and `prove_dead_man` are proof tests |
 //! | `heaters_low` | from any context, owning nothing |
 //! | `restart` | a new start after a panic or a fault |

@@ -26,13 +26,14 @@ pub use settings_flash::FileFlash as SettingsFlash;
 use settings_flash::FileFlash;
 
 use super::parts::BoardParts;
+use crate::{crash_memory, halt};
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use cortex_m_semihosting::{nr, syscall};
 use dr_core::ConfigError;
-use dr_core::control::{Cause, HardwareLimits, Heaters, Tick};
+use dr_core::control::{Cause, HardwareLimits, Heaters, LockoutWords, Tick};
 use dr_core::sensor::{FrontEndInput, Reading};
-use dr_core::wind::WindTick;
-use dr_core::{Digest, Instrument};
+use dr_core::{Decider, Digest};
+use firmware::control_loop::ControlBoard;
 use firmware::crash_record::CrashRecord;
 use firmware::dead_man::DeadManCounter;
 use firmware::inbox::Exchange;
@@ -88,7 +89,7 @@ pub fn init(
     BoardParts {
         front_end: LinkFrontEnd {
             exchanges,
-            replying_to: 0,
+            replying_to: None,
             digest: Digest::default(),
             input: FrontEndInput::Element,
             usart: fifos.is_none().then_some((bench_tx, Sequence::new())),
@@ -98,16 +99,11 @@ pub fn init(
             .map_or(LinkTransmitter::Usart(host_tx), |fifos| LinkTransmitter::Fifo(fifos.from_board)),
         watchdog: NoWatchdog,
         idler: LinkIdler { fifos, buffer: [0; 256] },
-        settings: settings_flash(),
+        settings: FileFlash::open(),
         // The emulated RCC does not keep the flags; the crash record in RAM shows whether there was
         // a reset.
         reset: ResetCause::Software,
     }
-}
-
-/// The emulator has no cycle counter.
-pub const fn cycles() -> u32 {
-    0
 }
 
 /// The host counts the time; there is no interrupt to clear.
@@ -131,11 +127,6 @@ pub fn reset_as_remembered(_: ResetCause, life: &CrashRecord) -> ResetCause {
         (_, Some(_)) if life.requested => ResetCause::Software,
         _ => ResetCause::Pin,
     }
-}
-
-/// Where the settings are kept.
-pub fn settings_flash() -> FileFlash {
-    FileFlash::open()
 }
 
 /// Provokes a fault.
@@ -207,7 +198,7 @@ impl Fifos {
 /// Readings from a queue that the link fills, heater levels back over the link.
 pub struct LinkFrontEnd {
     exchanges: Consumer<'static, Exchange>,
-    replying_to: u16,
+    replying_to: Option<u16>,
     digest: Digest,
     input: FrontEndInput,
     /// Its own transmitter. Without it the replies go out with all other messages.
@@ -215,59 +206,11 @@ pub struct LinkFrontEnd {
 }
 
 impl LinkFrontEnd {
-    /// The readings of the next exchange, if they have come.
-    pub fn poll(&mut self) -> Option<[Reading; ELEMENTS]> {
-        let (sequence, readings) = self.exchanges.peek()?;
-        self.replying_to = *sequence;
-        let readings = readings.readings();
-        self.exchanges.dequeue();
-        Some(readings)
-    }
-
-    /// The levels are part of the reply.
-    pub fn apply(&mut self, tick: &Tick<ELEMENTS>) -> bool {
-        DEAD_MAN.decided(tick.heaters.0 != 0);
-        PINS.store(tick.heaters.0, Relaxed);
-        true
-    }
-
-    /// It has no pins.
-    pub const fn holds_levels(&self) -> bool {
-        true
-    }
-
-    /// Its levels are those of a whole tick: they follow at the next one.
-    pub const fn lower(&mut self) -> bool {
-        false
-    }
-
-    /// The input of the next readings is part of the reply as well.
-    pub const fn select(&mut self, input: FrontEndInput) {
-        self.input = input;
-    }
-
-    /// Replies to the exchange with the levels and a digest of the state. Returns the reply if it
-    /// must go by the host link.
-    pub fn reply(
-        &mut self,
-        instrument: &Instrument<ELEMENTS>,
-        tick: &Tick<ELEMENTS>,
-        wind: Option<&WindTick>,
-    ) -> Option<FromBoard> {
-        instrument.digest(tick, wind, &mut self.digest);
-        self.reply_levels(self.replying_to)
-    }
-
-    /// Replies to a tick of silence with the present levels.
-    pub fn reply_to_silence(&mut self) -> Option<FromBoard> {
-        let number = SILENCE.load(Relaxed).checked_sub(1)?;
-        SILENCE.store(0, Relaxed);
-        self.reply_levels(number as u16)
-    }
-
-    fn reply_levels(&mut self, to: u16) -> Option<FromBoard> {
+    fn reply_levels(&mut self, to: u16, (wind_digest, has_wind): (Digest, bool)) -> Option<FromBoard> {
         let heaters = Heaters(PINS.load(Relaxed));
-        let reply = FromBoard::Heaters(HeaterFrame { to, heaters, input: self.input, digest: self.digest.value() });
+        let (digest, wind_digest) = (self.digest.value(), wind_digest.value());
+        let frame = HeaterFrame { to, heaters, input: self.input, digest, wind_digest, has_wind };
+        let reply = FromBoard::Heaters(frame);
         let Some((usart, sequence)) = &mut self.usart else { return Some(reply) };
         let mut buffer = [0; MAX_FRAME];
         if let Ok(frame) = encode(sequence.next(0), &reply, &mut buffer) {
@@ -276,30 +219,93 @@ impl LinkFrontEnd {
         }
         None
     }
+}
+
+impl ControlBoard<ELEMENTS> for LinkFrontEnd {
+    fn poll(&mut self) -> Option<[Reading; ELEMENTS]> {
+        let (sequence, readings) = self.exchanges.peek()?;
+        self.replying_to = Some(*sequence);
+        let readings = readings.readings();
+        self.exchanges.dequeue();
+        Some(readings)
+    }
+
+    /// The levels are part of the reply.
+    fn apply(&mut self, tick: &Tick<ELEMENTS>) -> bool {
+        DEAD_MAN.decided(tick.heaters.0 != 0);
+        PINS.store(tick.heaters.0, Relaxed);
+        true
+    }
+
+    /// It has no pins.
+    fn holds_levels(&mut self) -> bool {
+        true
+    }
+
+    fn heaters_low(&mut self) {
+        heaters_low();
+    }
+
+    /// Its levels are those of a whole tick: they follow at the next one.
+    fn lower(&mut self) -> bool {
+        false
+    }
+
+    /// The input of the next readings is part of the reply as well.
+    fn select(&mut self, input: FrontEndInput) {
+        self.input = input;
+    }
 
     /// A new run has a new digest.
-    pub fn restart(&mut self) {
+    fn restart(&mut self) {
         self.digest = Digest::default();
     }
 
     /// Any period will do: the host keeps the time.
-    pub const fn set_sample_period(&mut self, _sample_period_s: f32) -> Result<(), ConfigError> {
+    fn set_sample_period(&mut self, _sample_period_s: f32) -> Result<(), ConfigError> {
         Ok(())
     }
 
-    /// The host counts what is lost on its link.
-    pub const fn lost_conversions(&self) -> u32 {
-        0
+    /// The host waits for each reply.
+    fn overran(&mut self) -> bool {
+        false
     }
 
     /// There is no ADC.
-    pub const fn take_fault(&mut self) -> Option<Cause> {
+    fn take_fault(&mut self) -> Option<Cause> {
         None
     }
 
-    /// The host waits for each reply.
-    pub const fn overran(&self) -> bool {
-        false
+    /// The host counts what is lost on its link.
+    fn lost_conversions(&self) -> u32 {
+        0
+    }
+
+    fn edge_to_pins_us(&self) -> u32 {
+        0
+    }
+
+    fn decided(&mut self, decider: &Decider<ELEMENTS>, tick: &Tick<ELEMENTS>) {
+        decider.controller().digest(tick, &mut self.digest);
+    }
+
+    /// Replies to a tick of silence with the present levels, to an exchange when it is estimated.
+    fn reply(&mut self, estimated: Option<(Digest, bool)>) -> Option<FromBoard> {
+        if let Some(number) = SILENCE.load(Relaxed).checked_sub(1) {
+            SILENCE.store(0, Relaxed);
+            return self.reply_levels(number as u16, estimated.unwrap_or_default());
+        }
+        let estimated = estimated?;
+        let to = self.replying_to.take()?;
+        self.reply_levels(to, estimated)
+    }
+
+    fn keep_lockout(&mut self, words: &LockoutWords) {
+        crash_memory::write_lockout(words);
+    }
+
+    fn acknowledge_crash(&mut self) {
+        halt::acknowledge();
     }
 }
 

@@ -75,6 +75,11 @@ impl DataReady {
         self.due.wrapping_sub(now).cast_signed() >= counts.cast_signed()
     }
 
+    /// How long ago at `now` the conversion that is due had its edge.
+    pub fn lateness(&self, now: u32) -> u32 {
+        now.wrapping_sub(self.due).cast_signed().max(0).cast_unsigned()
+    }
+
     /// What is due at `now`, if an edge waits to be served or not.
     pub const fn next(&mut self, now: u32, edge: bool) -> Due {
         let late = now.wrapping_sub(self.due).cast_signed();

@@ -2,57 +2,54 @@
 
 use dr_core::control::SelfTestFinding;
 use wire::settings::TestRecord;
-use wire::{Identity, List, Name};
+use wire::{Identity, List};
 
-/// The findings of the last self-test that are not kept yet.
+/// Findings of the last self-test, until the settings server takes them.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PendingFindings {
-    firmware: Name,
-    starts: u32,
-    unix_s: Option<u32>,
-    waiting: List<SelfTestFinding>,
-}
+pub struct PendingFindings(TestRecord);
 
 impl PendingFindings {
-    /// None yet, of this board.
+    /// No findings yet, of this board.
     pub fn of(identity: &Identity) -> Self {
-        Self { firmware: identity.firmware.clone(), starts: identity.starts, unix_s: None, waiting: List::new() }
+        let (firmware, starts) = (identity.firmware.clone(), identity.starts);
+        Self(TestRecord { unix_s: None, firmware, starts, findings: List::new() })
     }
 
-    /// Those of a test that is over, in place of what is left of an earlier one.
-    pub fn take(&mut self, unix_s: Option<u32>, findings: &[SelfTestFinding]) {
-        self.unix_s = unix_s;
-        self.waiting.clear();
+    /// Puts the findings of a test in the place of those that wait.
+    pub fn put(&mut self, unix_s: Option<u32>, findings: &[SelfTestFinding]) {
+        self.0.unix_s = unix_s;
+        self.0.findings.clear();
         // There is room for as many as any instrument has elements.
-        self.waiting.extend_from_slice(findings).ok();
+        self.0.findings.extend_from_slice(findings).ok();
     }
 
-    /// The next one to be kept.
-    pub fn take_one(&mut self) -> Option<TestRecord> {
-        let finding = self.waiting.pop()?;
-        Some(TestRecord { unix_s: self.unix_s, firmware: self.firmware.clone(), starts: self.starts, finding })
+    /// Takes the findings, if there are any.
+    pub fn take(&mut self) -> Option<TestRecord> {
+        let waiting = (!self.0.findings.is_empty()).then(|| self.0.clone());
+        self.0.findings.clear();
+        waiting
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use wire::{BoardKind, ResetCause};
+    use wire::{BoardKind, Name, ResetCause};
 
     #[test]
-    fn each_is_given_once_and_a_newer_test_replaces_what_waits() {
+    fn they_are_given_once_and_a_newer_test_replaces_what_waits() {
         let firmware = Name::try_from("anemo 1").unwrap();
         let (board, reset) = (BoardKind::Sensor, ResetCause::PowerOn);
         let (crash, unique_id) = (None, [0; 3]);
         let identity =
             Identity { firmware: firmware.clone(), board, elements: 6, order: 8, reset, starts: 3, crash, unique_id };
-        let mut findings = PendingFindings::of(&identity);
-        assert_eq!(findings.take_one(), None);
+        let mut pending = PendingFindings::of(&identity);
+        assert_eq!(pending.take(), None);
         let of = |element| SelfTestFinding { element, of: 2, ..SelfTestFinding::default() };
-        findings.take(None, &[of(0), of(1)]);
-        findings.take(Some(7), &[of(1), of(0)]);
-        let next =
-            |element| Some(TestRecord { unix_s: Some(7), firmware: firmware.clone(), starts: 3, finding: of(element) });
-        assert_eq!([findings.take_one(), findings.take_one(), findings.take_one()], [next(0), next(1), None]);
+        pending.put(None, &[of(1), of(0)]);
+        pending.put(Some(7), &[of(0), of(1)]);
+        let findings = [of(0), of(1)].into_iter().collect();
+        assert_eq!(pending.take(), Some(TestRecord { unix_s: Some(7), firmware, starts: 3, findings }));
+        assert_eq!(pending.take(), None);
     }
 }

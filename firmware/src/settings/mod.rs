@@ -1,25 +1,22 @@
 //! Settings in flash: they survive resets and loss of power.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
-//! | `guarded.rs` | flash in which an interrupted erase is finished at the next start |
-//! | `store.rs` | values under keys, in three sectors that take turns |
-//! | `server.rs` | carries out a host's requests, and returns the stored settings for a set-up |
+//! | `record.rs` | one record in one sector, or in two that take turns |
+//! | `server.rs` | carries out a host's requests, and returns the stored commands for a set-up |
 //! | `findings.rs` | findings of a self-test on their way to the flash |
 //! | `standby_lock.rs` | excludes writing while the instrument runs |
 //!
-//! The numbers of the keys and the bytes of the values are in [`wire::settings`].
+//! The bytes of a record are in [`wire::settings`].
 
 pub mod findings;
-pub mod guarded;
+pub mod record;
 pub mod server;
 pub mod standby_lock;
-pub mod store;
 
 pub use findings::PendingFindings;
 pub use server::SettingsServer;
 pub use standby_lock::StandbyLock;
-pub use store::Store;
 
 #[cfg(test)]
 pub(crate) mod mock;

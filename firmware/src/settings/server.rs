@@ -1,58 +1,71 @@
-//! The settings server: carries out a host's requests, and returns the stored settings one by one
-//! for a set-up.
+//! The settings server: carries out a host's requests, returns the stored commands one by one for a
+//! set-up, and stores the results of self-tests.
 //!
-//! Values in flash are not trusted: a value that this firmware cannot decode, or that the
-//! instrument refuses, stays where it is, is counted and reported, and is never used.
+//! Two sectors of the flash hold the settings in turn, the third the last self-test that a host
+//! requested. Bytes in flash are not trusted: what this firmware cannot decode, or the instrument
+//! refuses, is named and not used.
 
-use super::store::Store;
+use super::record::{Content, Record};
 use embedded_storage::nor_flash::NorFlash;
-use wire::MOST_ELEMENTS;
-use wire::settings::{
-    KeyNumber, Setting, SettingKey, SettingsAnswer, SettingsRefusal, SettingsReply, SettingsRequest, TestRecord,
-    Unusable,
-};
-
-/// Number of refused values whose reasons are kept; beyond that only their count is.
-const MOST_REFUSED: usize = 8;
+use wire::settings::{MOST_PIECE, Piece, Preface, TestBytes, take_command};
+use wire::{SettingsAnswer, SettingsRefusal, SettingsReply, SettingsRequest, StoredRecord, TestRecord, Unusable};
 
 /// Server of the settings in flash.
-pub struct SettingsServer<F: NorFlash> {
-    /// None if the flash cannot be used or holds other data.
-    store: Option<Store<F>>,
-    /// Values that the instrument refused at the last set-up.
-    refused: heapless::Vec<(KeyNumber, Unusable), MOST_REFUSED>,
-    /// The last key that the set-up has reached.
-    applied: Option<KeyNumber>,
-    taken: u16,
-    left: u16,
+pub struct SettingsServer<F> {
+    flash: F,
+    settings: Record,
+    test: Record,
+    test_at_start: TestBytes,
+    /// Why the instrument does not use the settings.
+    unused: Option<Unusable>,
+    set_up: Commands,
 }
 
-/// The next step of a set-up.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Next {
-    /// Apply this setting.
-    Apply(KeyNumber, Setting),
-    /// Skip this value.
-    Skip(KeyNumber, Unusable),
-    /// That was all.
-    Done {
-        /// Number of settings applied.
-        taken: u16,
-        /// Number of values not used.
-        left: u16,
-    },
+/// The commands of a record, one after the other.
+struct Commands {
+    content: Content,
+    at: usize,
+    count: u16,
+}
+
+impl Commands {
+    const NONE: Self = Self { content: Content::NONE, at: 0, count: 0 };
+
+    /// Reads the beginning of a record.
+    fn of<F: NorFlash>(flash: &mut F, content: Content) -> Result<(Self, Preface), Unusable> {
+        let mut commands = Self { content, ..Self::NONE };
+        let preface = commands.take(flash, Preface::take)?.unwrap_or_default();
+        Ok((commands, preface))
+    }
+
+    fn next<F: NorFlash>(&mut self, flash: &mut F) -> Result<Option<dr_core::Command>, Unusable> {
+        let command = self.take(flash, take_command)?;
+        self.count = self.count.saturating_add(command.is_some().into());
+        Ok(command)
+    }
+
+    /// Takes off what comes next, if there is more.
+    fn take<F: NorFlash, T>(
+        &mut self,
+        flash: &mut F,
+        take: impl FnOnce(&[u8]) -> Result<(T, &[u8]), Unusable>,
+    ) -> Result<Option<T>, Unusable> {
+        let mut bytes = [0; MOST_PIECE];
+        let read = self.content.read(flash, self.at, &mut bytes).map_err(|_| Unusable::Damaged)?;
+        if read == 0 {
+            return Ok(None);
+        }
+        let (taken, rest) = take(bytes.get(..read).unwrap_or_default())?;
+        self.at += read - rest.len();
+        Ok(Some(taken))
+    }
 }
 
 impl<F: NorFlash> SettingsServer<F> {
-    /// Opens the store.
-    pub fn new(flash: F) -> Self {
-        let store = Store::open(flash).ok();
-        Self { store, refused: heapless::Vec::new(), applied: None, taken: 0, left: 0 }
-    }
-
-    /// Whether the store is intact.
-    pub fn is_well(&self) -> bool {
-        self.store.as_ref().is_some_and(Store::is_whole)
+    /// Looks what the flash holds.
+    pub fn new(mut flash: F) -> Self {
+        let (settings, test) = (Record::open(&mut flash, 0..2), Record::open(&mut flash, 2..3));
+        Self { flash, settings, test, test_at_start: TestBytes::new(), unused: None, set_up: Commands::NONE }
     }
 
     /// Carries out a request, except `Load`. The caller has made sure of standby.
@@ -61,94 +74,94 @@ impl<F: NorFlash> SettingsServer<F> {
     }
 
     fn carry_out(&mut self, request: &SettingsRequest) -> Result<SettingsReply, SettingsRefusal> {
-        let store = self.store.as_mut().ok_or(SettingsRefusal::Flash)?;
-        match request {
-            SettingsRequest::Store { key, value } => {
-                // A value that could not be decoded is not written.
-                Setting::read(*key, value).map_err(SettingsRefusal::Unusable)?;
-                store.write(*key, value).map(|()| SettingsReply::Done)
+        match *request {
+            SettingsRequest::Write { at, ref bytes } => {
+                self.settings.write(&mut self.flash, at.into(), bytes)?;
+                Ok(SettingsReply::Done)
             }
-            SettingsRequest::Read { key } => self.value(*key),
-            SettingsRequest::Next { after } => match store.next(*after) {
-                Some(key) => self.value(key),
-                None => Ok(SettingsReply::Nothing),
-            },
-            SettingsRequest::Erase { key } => store.forget(*key).map(|()| SettingsReply::Done),
-            SettingsRequest::EraseAll => store.forget_all().map(|()| SettingsReply::Done),
-            SettingsRequest::Check if store.is_whole() => Ok(SettingsReply::Done),
-            SettingsRequest::Check => Err(SettingsRefusal::NotWhole),
-            SettingsRequest::Load => Ok(SettingsReply::Loaded { taken: self.taken, left: self.left }),
-        }
-    }
-
-    /// Stores a finding of a self-test. Errors are not reported here: `Check` reports them, and the
-    /// finding has been sent.
-    pub fn keep(&mut self, record: &TestRecord) {
-        let setting = Setting::Tested(record.clone());
-        if let (Some(store), Some(key), Ok(value)) = (&mut self.store, setting.key(), setting.value()) {
-            store.write(key.number(), &value).ok();
-            if record.finding.element == 0 {
-                // Findings of an earlier head with more elements.
-                for which in record.finding.of..MOST_ELEMENTS as u8 {
-                    let number = SettingKey { which, ..key }.number();
-                    if matches!(store.read(number), Ok(Some(_))) {
-                        store.forget(number).ok();
-                    }
-                }
+            SettingsRequest::Commit { length, crc } => {
+                self.commit(length.into(), crc)?;
+                Ok(SettingsReply::Done)
+            }
+            SettingsRequest::Read { record, at } => self.read(record, at.into()).map(SettingsReply::Piece),
+            SettingsRequest::Load | SettingsRequest::Check => {
+                self.settings.in_force()?;
+                self.unused.map_or(Ok(SettingsReply::Done), |why| Err(SettingsRefusal::Unusable(why)))
             }
         }
     }
 
-    /// A value, with the reason if it is not used.
-    fn value(&mut self, key: KeyNumber) -> Result<SettingsReply, SettingsRefusal> {
-        let store = self.store.as_mut().ok_or(SettingsRefusal::Flash)?;
-        let Some(value) = store.read(key)? else { return Ok(SettingsReply::Nothing) };
-        let refused = || self.refused.iter().find(|(of, _)| *of == key).map(|(_, why)| *why);
-        let unusable = Setting::read(key, &value).err().or_else(refused);
-        Ok(SettingsReply::Value { key, value, unusable })
+    /// Puts a new record in force, if all of it can be decoded.
+    fn commit(&mut self, length: usize, crc: u32) -> Result<(), SettingsRefusal> {
+        // The host repeats a request whose reply it has not heard.
+        if self.settings.is(length, crc) {
+            return Ok(());
+        }
+        let content = self.settings.written(&mut self.flash, length, crc)?;
+        let (mut commands, _) = Commands::of(&mut self.flash, content).map_err(SettingsRefusal::Unusable)?;
+        while commands.next(&mut self.flash).map_err(SettingsRefusal::Unusable)?.is_some() {}
+        self.settings.commit(&mut self.flash, content)
     }
 
-    /// Begins a set-up; the instrument has been cleared before.
-    pub fn begin(&mut self) {
-        self.refused.clear();
-        (self.applied, self.taken, self.left) = (None, 0, 0);
+    fn read(&mut self, record: StoredRecord, at: usize) -> Result<Piece, SettingsRefusal> {
+        let mut bytes = [0; MOST_PIECE];
+        let read = match record {
+            StoredRecord::Settings => self.settings.in_force()?.read(&mut self.flash, at, &mut bytes)?,
+            StoredRecord::Test => {
+                self.test.in_force().unwrap_or(Content::NONE).read(&mut self.flash, at, &mut bytes)?
+            }
+            StoredRecord::TestAtStart => {
+                let rest = self.test_at_start.get(at..).unwrap_or_default();
+                bytes.iter_mut().zip(rest).map(|(to, byte)| *to = *byte).count()
+            }
+        };
+        Piece::from_slice(bytes.get(..read).unwrap_or_default()).map_err(|_| SettingsRefusal::Flash)
     }
 
-    /// The next step of the set-up.
-    pub fn next_piece(&mut self) -> Next {
-        let done = Next::Done { taken: self.taken, left: self.left };
-        let Some(store) = &mut self.store else { return done };
-        let Some(key) = store.next(self.applied) else { return done };
-        self.applied = Some(key);
-        let value = store.read(key).ok().flatten().unwrap_or_default();
-        match Setting::read(key, &value) {
-            Ok(setting) => {
-                self.taken = self.taken.saturating_add(1);
-                Next::Apply(key, setting)
-            }
-            Err(why) => {
-                self.left = self.left.saturating_add(1);
-                Next::Skip(key, why)
-            }
+    /// Keeps the result of a self-test: one that a host requested in the flash, one of a start, which
+    /// the next start repeats, in RAM. Errors are not reported: the findings have been sent.
+    pub fn keep(&mut self, test: &TestRecord) {
+        let Ok(bytes) = test.bytes() else { return };
+        if test.unix_s.is_some() {
+            self.test.store(&mut self.flash, &bytes).ok();
+        } else {
+            self.test_at_start = bytes;
         }
     }
 
-    /// Records that the instrument refused the last setting.
-    pub fn was_refused(&mut self, key: KeyNumber, why: Unusable) {
-        (self.taken, self.left) = (self.taken.saturating_sub(1), self.left.saturating_add(1));
-        // Beyond the room of the list only the count is kept.
-        self.refused.push((key, why)).ok();
+    /// Begins a set-up. Returns the beginning of the settings; the default where there are none.
+    ///
+    /// # Errors
+    /// If they cannot be used; the log then says why.
+    pub fn begin(&mut self) -> Result<Preface, SettingsRefusal> {
+        (self.unused, self.set_up) = (None, Commands::NONE);
+        let content = self.settings.in_force()?;
+        let (commands, preface) = Commands::of(&mut self.flash, content).map_err(|why| self.refuse(why))?;
+        self.set_up = commands;
+        Ok(preface)
     }
 
-    /// Erases a flash that holds other data; for `EraseAll`.
-    pub fn start_anew(&mut self, open: impl FnOnce() -> F) {
-        if self.store.is_none() {
-            let mut flash = open();
-            let capacity = flash.capacity() as u32;
-            if flash.erase(0, capacity).is_ok() {
-                self.store = Store::open(flash).ok();
-            }
-        }
+    /// Returns the next command of the set-up.
+    ///
+    /// # Errors
+    /// If the settings cannot be used.
+    pub fn next_command(&mut self) -> Result<Option<dr_core::Command>, SettingsRefusal> {
+        self.set_up.next(&mut self.flash).map_err(|why| self.refuse(why))
+    }
+
+    /// Records that the instrument refused the last command.
+    pub fn was_refused(&mut self, refusal: dr_core::control::Refusal) -> SettingsRefusal {
+        self.refuse(Unusable::Refused { number: self.set_up.count, refusal })
+    }
+
+    fn refuse(&mut self, why: Unusable) -> SettingsRefusal {
+        self.unused = Some(why);
+        SettingsRefusal::Unusable(why)
+    }
+
+    /// Number of commands applied in the set-up.
+    pub const fn applied(&self) -> u16 {
+        self.set_up.count
     }
 }
 

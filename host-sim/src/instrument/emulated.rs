@@ -12,22 +12,22 @@ use super::link::{Aside, BoardLink, BoardStream, RetryPolicy};
 use super::observation::{LinkReport, TickReport};
 use super::port::{LockStepController, SettingsPort, granted_by};
 use super::status::why_it_started;
-use dr_core::control::{HardwareLimits, Heaters, SelfTestFinding};
+use dr_core::control::{HardwareLimits, SelfTestFinding};
 use dr_core::sensor::{FrontEndInput, Reading};
-use dr_core::{Command, Reply};
+use dr_core::{Command, Digest, Reply, RunDigests};
 pub use process::Pipe;
 use process::Process;
 use std::path::Path;
 use std::time::Duration;
 use wire::{
     FromBoard, HeaterFrame, Identity, MOST_ELEMENTS, Provocation, Readings, SettingsReply, SettingsRequest, Status,
-    ToBoard,
+    ToBoard, WindFrame,
 };
 
 /// Exchanges after which the host link is looked at, where exchanges do not go by it.
 const ATTEND_EVERY: u32 = 256;
 
-/// How to talk to the emulated board.
+/// Way to talk to the emulated board.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum EmulatorLink {
     /// A pair of named pipes.
@@ -61,9 +61,10 @@ pub struct Emulated {
     process: Process,
     links: Links,
     identity: Identity,
-    digest: u64,
+    digests: RunDigests,
     answer: Option<HeaterFrame>,
     sample: Option<TickReport>,
+    wind: Option<WindFrame>,
     status: Option<Status>,
     input: FrontEndInput,
     findings: Vec<SelfTestFinding>,
@@ -107,15 +108,16 @@ impl Emulated {
             )),
             other => other,
         })?;
-        // What is kept may ask for fewer, and here each tick's sample is waited for.
+        // The kept settings may ask for fewer, and here each tick's sample is waited for.
         links.host.send(&ToBoard::Telemetry { every: 1 })?;
         Ok(Self {
             process,
             links,
             identity,
-            digest: 0,
+            digests: RunDigests::default(),
             answer: None,
             sample: None,
+            wind: None,
             status: None,
             input: FrontEndInput::Element,
             findings: Vec::new(),
@@ -172,33 +174,36 @@ impl Emulated {
         Ok(self.identity.clone())
     }
 
-    /// Sends a request about settings while the supply fails after so many more bytes of writing
+    /// Sends requests about settings while the supply fails after so many more bytes of writing
     /// (an erase counts as 16). Returns whether it has failed: the board has started anew then, as
     /// if it had just been switched on.
     ///
     /// # Errors
     /// If the board is gone, or refuses.
-    pub fn ask_with_a_cut(&mut self, after_bytes: u32, request: &SettingsRequest) -> Result<bool, InstrumentError> {
+    pub fn ask_with_a_cut(&mut self, after_bytes: u32, requests: &[SettingsRequest]) -> Result<bool, InstrumentError> {
         // Earlier messages are taken by then: an identity after that means that the board has
         // started anew.
-        self.ask_settings(&SettingsRequest::Read { key: 0 })?;
+        self.ask_settings(&SettingsRequest::Check).ok();
         self.provoke(Provocation::CutPower { after_bytes })?;
-        let asked = self.links.host.send(&ToBoard::Settings(request.clone()))?;
-        loop {
-            match self.next_message()? {
-                FromBoard::Setting(answer) if answer.to == asked => {
-                    answer.result.map_err(InstrumentError::Settings)?;
-                    self.provoke(Provocation::CutPower { after_bytes: u32::MAX })?;
-                    return Ok(false);
+        for request in requests {
+            let asked = self.links.host.send(&ToBoard::Settings(request.clone()))?;
+            loop {
+                match self.next_message()? {
+                    FromBoard::Setting(answer) if answer.to == asked => {
+                        answer.result.map_err(InstrumentError::Settings)?;
+                        break;
+                    }
+                    FromBoard::Identity(identity) => {
+                        self.forget();
+                        self.identity = identity;
+                        return Ok(true);
+                    }
+                    other => self.hear(other),
                 }
-                FromBoard::Identity(identity) => {
-                    self.forget();
-                    self.identity = identity;
-                    return Ok(true);
-                }
-                other => self.hear(other),
             }
         }
+        self.provoke(Provocation::CutPower { after_bytes: u32::MAX })?;
+        Ok(false)
     }
 
     /// Turns samples off: what is left of an exchange is readings, levels and digest. For runs of
@@ -269,18 +274,25 @@ impl Emulated {
         if answer.to != asked {
             return Err(InstrumentError::Protocol(format!("exchange {asked} was answered as {}", answer.to)));
         }
-        (self.digest, self.input) = (answer.digest, answer.input);
+        let of_value = Digest::of_value;
+        self.digests = RunDigests { control: of_value(answer.digest), wind: of_value(answer.wind_digest) };
+        self.input = answer.input;
         Ok(answer)
     }
 
-    /// The sample of the exchange just answered: it comes by the host link.
-    fn sample(&mut self, levels: Heaters) -> Result<TickReport, InstrumentError> {
+    /// The sample of the exchange just answered, with its wind: they come by the host link.
+    fn sample(&mut self, answer: HeaterFrame) -> Result<TickReport, InstrumentError> {
         loop {
-            if let Some(report) = self.sample.take() {
-                if report.sample.heaters == levels {
-                    return Ok(report);
+            if self.sample.is_some() && (self.wind.is_some() || !answer.has_wind) {
+                let (report, wind) = (self.sample.take(), self.wind.take());
+                let is_its = |report: &TickReport| {
+                    let of_wind = wind.as_ref().is_none_or(|frame| frame.tick == report.sample.tick);
+                    report.sample.heaters == answer.heaters && of_wind
+                };
+                if let Some(report) = report.clone().filter(is_its) {
+                    return Ok(TickReport { wind: wind.map(|frame| frame.wind), ..report });
                 }
-                let sentence = format!("levels {levels:?} came with the sample {:?}", report.sample);
+                let sentence = format!("{answer:?} came with {report:?} and {wind:?}");
                 return Err(InstrumentError::Protocol(sentence));
             }
             let message = self.next_message()?;
@@ -295,9 +307,10 @@ impl Emulated {
         self.reborn.as_ref().map_or(Ok(()), |reborn| Err(InstrumentError::Restarted(why_it_started(reborn))))
     }
 
-    /// What was of the life before.
+    /// Forgets the life before.
     fn forget(&mut self) {
-        (self.answer, self.sample, self.status, self.input) = (None, None, None, FrontEndInput::Element);
+        (self.answer, self.sample, self.wind, self.status) = (None, None, None, None);
+        self.input = FrontEndInput::Element;
         self.findings.clear();
     }
 
@@ -305,6 +318,7 @@ impl Emulated {
         match message {
             FromBoard::Heaters(answer) => self.answer = Some(answer),
             FromBoard::Sample(_) | FromBoard::Observed(_) => self.sample = TickReport::of(message),
+            FromBoard::Wind(frame) => self.wind = Some(frame),
             FromBoard::Status(status) => self.status = Some(status),
             FromBoard::Tested(finding) => self.findings.push(finding),
             // Changes of state are in every sample; the rest answers questions that an exchange
@@ -345,7 +359,7 @@ impl LockStepController for Emulated {
 
     fn exchange(&mut self, readings: &[Reading]) -> Result<TickReport, InstrumentError> {
         let answer = self.exchange_levels(readings)?;
-        self.sample(answer.heaters).map_err(|error| self.process.explain(error))
+        self.sample(answer).map_err(|error| self.process.explain(error))
     }
 
     fn input(&self) -> FrontEndInput {
@@ -356,14 +370,14 @@ impl LockStepController for Emulated {
         std::mem::take(&mut self.findings)
     }
 
-    fn digest(&self) -> u64 {
-        self.digest
+    fn digests(&self) -> RunDigests {
+        self.digests
     }
 
     fn finish(mut self: Box<Self>) -> Result<LinkReport, InstrumentError> {
         if self.links.bench.is_some() {
-            // What the board has still to write is written when it answers; by one link for all it
-            // comes before the end in any case.
+            // Settings that the board has still to write is written when it answers; by one link
+            // for all it comes before the end in any case.
             let _ = self.ask_settings(&SettingsRequest::Check);
         }
         // The front end's link: the board looks there whatever it is doing.

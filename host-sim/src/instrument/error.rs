@@ -43,19 +43,19 @@ pub enum InstrumentError {
     /// The head has more elements than the board.
     #[error("the head has {head} elements, the board can drive {board}")]
     TooManyElements {
-        /// Of the head.
+        /// Version of the head's format.
         head: usize,
-        /// Of the board.
+        /// Version of the board's format.
         board: usize,
     },
     /// The head is more than boards have room for.
     #[error("the head has {head} {what}, boards have room for {board}")]
     NoRoom {
-        /// Of what there is too much.
+        /// Name of what there is too much.
         what: &'static str,
-        /// Of the head.
+        /// Number that the head has.
         head: usize,
-        /// Of a board.
+        /// Number that a board takes.
         board: usize,
     },
     /// The link broke.

@@ -6,7 +6,7 @@ use super::port::{InstrumentPort, LockStep, LockStepController, granted_by};
 use crate::sensor::Sensor;
 use dr_core::control::{BOARD_ELEMENTS, MOST_ELEMENTS, SelfTestFinding};
 use dr_core::sensor::{FrontEndInput, Reading};
-use dr_core::{Command, Digest, Instrument, Reply};
+use dr_core::{Command, Instrument, Reply, RunDigests};
 use wire::{BoardKind, Identity, Name, ResetCause};
 
 /// dr-core's controller and anemometer, called directly, with room for N elements: by default those
@@ -14,7 +14,7 @@ use wire::{BoardKind, Identity, Name, ResetCause};
 pub struct InProcess<const N: usize = BOARD_ELEMENTS> {
     identity: Identity,
     station: Instrument<N>,
-    digest: Digest,
+    digests: RunDigests,
     findings: Vec<SelfTestFinding>,
 }
 
@@ -66,7 +66,7 @@ impl<const N: usize> InProcess<N> {
                 unique_id: [0; 3],
             },
             station: Instrument::new(granted_by(board)),
-            digest: Digest::default(),
+            digests: RunDigests::default(),
             findings: Vec::new(),
         }
     }
@@ -104,7 +104,7 @@ impl<const N: usize> LockStepController for InProcess<N> {
         let reply = self.station.handle(command).map_err(InstrumentError::Refused)?;
         // Not before: a start that is refused must not disturb the run.
         if command == Command::Start {
-            self.digest = Digest::default();
+            self.digests = RunDigests::default();
         }
         Ok(reply)
     }
@@ -112,7 +112,7 @@ impl<const N: usize> LockStepController for InProcess<N> {
     fn exchange(&mut self, readings: &[Reading]) -> Result<TickReport, InstrumentError> {
         let tick = self.station.tick(&arrived(readings)?);
         let wind = self.station.sense(&tick);
-        self.station.digest(&tick, wind.as_ref(), &mut self.digest);
+        self.station.digest(&tick, wind.as_ref(), &mut self.digests);
         if let Some(test) = self.station.take_self_test() {
             self.findings.extend_from_slice(test.findings());
         }
@@ -127,8 +127,8 @@ impl<const N: usize> LockStepController for InProcess<N> {
         std::mem::take(&mut self.findings)
     }
 
-    fn digest(&self) -> u64 {
-        self.digest.value()
+    fn digests(&self) -> RunDigests {
+        self.digests
     }
 
     fn finish(self: Box<Self>) -> Result<LinkReport, InstrumentError> {

@@ -11,19 +11,19 @@ use wire::{
     VERSION,
 };
 
-/// How long a board may take to answer. Half a minute of emulation on a busy machine is still not
+/// Time that a board may take to answer. Half a minute of emulation on a busy machine is still not
 /// an error.
 pub const TIMEOUT: Duration = Duration::from_secs(20);
 
-/// How long to wait for an answer to a hello before asking again: a board drops what comes while it
+/// Time to wait for an answer to a hello before asking again: a board drops what comes while it
 /// starts.
 const HELLO_EVERY: Duration = Duration::from_millis(50);
 
 /// A host that has sent nothing for so long shows that it is still there.
 const KEEP_ALIVE: Duration = Duration::from_secs(1);
 
-/// How often a command is sent before its board counts as gone, and how long each attempt waits for
-/// an answer.
+/// Number of times that a command is sent before its board counts as gone, and how long each
+/// attempt waits for an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RetryPolicy {
     /// At least 1.
@@ -87,7 +87,7 @@ impl<S: BoardStream> BoardLink<S> {
         Self { stream, sequence: 0, sent, receiver, buffer, read: 0, taken: 0 }
     }
 
-    /// What has come so far.
+    /// Counters of what has come so far.
     pub fn counters(&self) -> LinkCounters {
         self.receiver.counters()
     }
@@ -263,7 +263,7 @@ impl<S: BoardStream> BoardLink<S> {
     }
 }
 
-/// What to do about a board of another version.
+/// Advice on a board of another version.
 fn other_version(theirs: u8) -> String {
     let way_out = if theirs < VERSION {
         "flash the firmware of this program's release (`cargo xtask flash`), or use the older program of the board's release"
@@ -273,7 +273,7 @@ fn other_version(theirs: u8) -> String {
     format!("the board speaks version {theirs} of the wire protocol, this program version {VERSION}; {way_out}")
 }
 
-/// Whether a command that was sent more than once was refused because it had been carried out
+/// Tells whether a command that was sent more than once was refused because it had been carried out
 /// already.
 fn shows_it_done(command: Command, refusal: &Refusal) -> bool {
     matches!(

@@ -1,10 +1,10 @@
-//! What an instrument reports: of each tick, and at the end of the conversation.
+//! Reports of an instrument: of each tick, and at the end of the conversation.
 
 use dr_core::control::{Heaters, RunState, Tick};
 use dr_core::wind::WindTick;
 use wire::{FromBoard, LinkCounters, ObservedSample, Sample, Status, WindSample};
 
-/// What one tick brought: a [`Sample`] of a head of any size.
+/// Sample of one tick: a [`Sample`] of a head of any size.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TickSample {
     /// Number of the tick since the start of the run.
@@ -27,25 +27,25 @@ impl From<Sample> for TickSample {
     }
 }
 
-/// What a controller reports of one tick.
+/// Report of a controller on one tick.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TickReport {
     /// Temperatures, powers, heater levels and run state.
     pub sample: TickSample,
-    /// What the elements' structures take by their observers, W; where these run.
+    /// Power that the elements' structures take by their observers, W; where these run.
     pub equivalent_power_w: Option<Vec<f32>>,
     /// The anemometer's wind estimate, where one is due.
     pub wind: Option<WindSample>,
 }
 
 impl TickReport {
-    /// The tick of a message, if it is of one.
+    /// The tick of a message, if it is of one. Its estimate comes in a message of its own.
     pub fn of(message: FromBoard) -> Option<Self> {
         match message {
             FromBoard::Sample(sample) => Some(Self { sample: sample.into(), equivalent_power_w: None, wind: None }),
-            FromBoard::Observed(ObservedSample { sample, equivalent_power_w, wind }) => {
+            FromBoard::Observed(ObservedSample { sample, equivalent_power_w }) => {
                 let equivalent_power_w = Some(equivalent_power_w.to_vec()).filter(|observed| !observed.is_empty());
-                Some(Self { sample: sample.into(), equivalent_power_w, wind })
+                Some(Self { sample: sample.into(), equivalent_power_w, wind: None })
             }
             _ => None,
         }
@@ -67,12 +67,12 @@ impl TickReport {
     }
 }
 
-/// What one tick of an instrument brought.
+/// Observation of one tick of an instrument.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Observation {
-    /// What the board reports.
+    /// Sample of the board.
     pub sample: TickSample,
-    /// What the elements' structures take by their observers, W; where these run.
+    /// Power that the elements' structures take by their observers, W; where these run.
     pub equivalent_power_w: Option<Vec<f32>>,
     /// The anemometer's wind estimate, where one is due.
     pub wind: Option<WindSample>,
@@ -85,7 +85,7 @@ pub struct Observation {
 }
 
 impl Observation {
-    /// Whether every list has an entry for each of so many elements, and none more.
+    /// Tells whether every list has an entry for each of so many elements, and none more.
     pub fn is_of(&self, elements: usize) -> bool {
         let TickSample { temperature_c, power_w, .. } = &self.sample;
         [Some(temperature_c), Some(power_w), self.equivalent_power_w.as_ref()]
@@ -98,10 +98,10 @@ impl Observation {
 /// Losses of the link, and the last status of the board.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LinkReport {
-    /// What came from the board.
+    /// Counters of the link.
     pub link: LinkCounters,
     /// The board's last status.
     pub status: Option<Status>,
-    /// What the board logged, line by line.
+    /// Log of the board, line by line.
     pub log: Vec<String>,
 }

@@ -9,7 +9,7 @@
 
 use dr_core::control::{HardwareLimits, SelfTestFinding};
 use dr_core::sensor::{FrontEndInput, Reading};
-use dr_core::{Command, Reply};
+use dr_core::{Command, Reply, RunDigests};
 use wire::{BoardKind, Identity, SettingsReply, SettingsRequest};
 
 use super::error::InstrumentError;
@@ -33,12 +33,12 @@ pub trait InstrumentPort {
     /// If the instrument cannot be reached.
     fn observe(&mut self) -> Result<Observation, InstrumentError>;
 
-    /// What self-tests have found since the last call, one entry an element.
+    /// Findings of self-tests since the last call, one entry an element.
     fn findings(&mut self) -> Vec<SelfTestFinding>;
 
-    /// Digest of all states, temperatures and bits since the start of the run, where the whole
+    /// Digests of all states, temperatures and bits since the start of the run, where the whole
     /// state can be seen.
-    fn digest(&self) -> Option<u64>;
+    fn digests(&self) -> Option<RunDigests>;
 
     /// Ends the conversation and draws up the account.
     ///
@@ -47,7 +47,7 @@ pub trait InstrumentPort {
     fn finish(self: Box<Self>) -> Result<LinkReport, InstrumentError>;
 }
 
-/// What a board of this kind grants.
+/// Limits of a board of this kind.
 pub const fn granted_by(board: BoardKind) -> &'static HardwareLimits {
     match board {
         BoardKind::Sensor => &HardwareLimits::SENSOR_BOARD,
@@ -60,7 +60,7 @@ pub trait SettingsPort {
     /// Name and version of its firmware.
     fn firmware(&self) -> &str;
 
-    /// What it grants.
+    /// Limits that it grants.
     fn limits(&self) -> &'static HardwareLimits;
 
     /// Sends a request about its settings.
@@ -88,18 +88,19 @@ pub trait LockStepController {
     /// elements.
     fn exchange(&mut self, readings: &[Reading]) -> Result<TickReport, InstrumentError>;
 
-    /// What the next readings shall be of.
+    /// Input of the next readings.
     fn input(&self) -> FrontEndInput {
         FrontEndInput::Element
     }
 
-    /// What self-tests have found since the last call, one entry an element.
+    /// Findings of self-tests since the last call, one entry an element.
     fn findings(&mut self) -> Vec<SelfTestFinding> {
         Vec::new()
     }
 
-    /// Digest of the whole state of the controller, over all ticks since the start of the run.
-    fn digest(&self) -> u64;
+    /// Digests of the whole state of controller and anemometer, over all ticks since the start of
+    /// the run.
+    fn digests(&self) -> RunDigests;
 
     /// Ends the conversation.
     ///
@@ -164,8 +165,8 @@ impl<B: LockStepController> InstrumentPort for LockStep<B> {
         self.body.findings()
     }
 
-    fn digest(&self) -> Option<u64> {
-        Some(self.body.digest())
+    fn digests(&self) -> Option<RunDigests> {
+        Some(self.body.digests())
     }
 
     fn finish(self: Box<Self>) -> Result<LinkReport, InstrumentError> {

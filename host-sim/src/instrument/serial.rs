@@ -12,12 +12,13 @@ use super::observation::{LinkReport, Observation, TickReport};
 use super::port::{InstrumentPort, SettingsPort, granted_by};
 use super::status::{BoardStatus, why_it_started};
 use dr_core::control::{HardwareLimits, Refusal, RunState, SelfTestFinding};
-use dr_core::{Command, Reply};
+use dr_core::wind::WindCommand;
+use dr_core::{Command, Reply, RunDigests};
 use serialport::{SerialPort, TTYPort};
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
 use std::time::Duration;
-use wire::{FromBoard, Identity, SettingsReply, SettingsRequest, Status, ToBoard};
+use wire::{FromBoard, Identity, SettingsReply, SettingsRequest, Status, ToBoard, WindFrame};
 
 /// Baud of the host link.
 pub const BAUD: u32 = 921_600;
@@ -36,10 +37,14 @@ const SETTINGS_RETRIES: RetryPolicy = RetryPolicy { tries: 3, timeout: Duration:
 const SILENCE: Duration = Duration::from_secs(3);
 const SILENT_TICKS: f32 = 3.0;
 
-/// How long the status of the end may take, which comes each second.
+/// Ticks behind a sample after which its estimate has got lost: as many as may wait for theirs on
+/// the board.
+const MOST_TICKS_BEHIND: u32 = 8;
+
+/// Time that the status of the end may take, which comes each second.
 const STATUS_TIMEOUT: Duration = Duration::from_millis(1500);
 
-/// How long the system may take to accept a frame.
+/// Time that the system may take to accept a frame.
 const WRITE_TIMEOUT: Duration = Duration::from_secs(1);
 
 fn gone(error: io::Error) -> io::Error {
@@ -64,13 +69,15 @@ impl BoardStream for TTYPort {
     }
 }
 
-/// What the board has sent by itself.
+/// Messages that the board has sent by itself.
 #[derive(Default)]
 struct Heard {
     samples: VecDeque<TickReport>,
+    /// Estimates are due at multiples of so many ticks; none of a head without a calibration.
+    interval_ticks: Option<u16>,
     status: Option<Status>,
     findings: Vec<SelfTestFinding>,
-    /// Of the life in which the conversation began.
+    /// Start of the life in which the conversation began.
     starts: Option<u32>,
     restarted: bool,
 }
@@ -79,6 +86,12 @@ impl Heard {
     fn take(&mut self, message: FromBoard) {
         match message {
             FromBoard::Sample(_) | FromBoard::Observed(_) => self.samples.extend(TickReport::of(message)),
+            FromBoard::Wind(WindFrame { tick, interval_ticks, wind }) => {
+                self.interval_ticks = Some(interval_ticks);
+                if let Some(report) = self.samples.iter_mut().find(|report| report.sample.tick == tick) {
+                    report.wind = Some(wind);
+                }
+            }
             FromBoard::Status(status) => {
                 self.restarted |= self.status.as_ref().is_some_and(|before| status.uptime_s <= before.uptime_s);
                 self.status = Some(status);
@@ -92,6 +105,19 @@ impl Heard {
             }
             FromBoard::Reply { .. } | FromBoard::Setting(_) | FromBoard::Event(_) | FromBoard::Heaters(_) => {}
         }
+    }
+
+    /// The next sample, once its estimate has come, or would have.
+    fn next(&mut self) -> Option<TickReport> {
+        let first = self.samples.front()?;
+        let (tick, interval_ticks) = (first.sample.tick, u32::from(self.interval_ticks.unwrap_or(0)));
+        let is_due = interval_ticks > 0 && tick.is_multiple_of(interval_ticks) && first.wind.is_none();
+        let has_passed =
+            |later: &TickReport| later.wind.is_some() || later.sample.tick >= tick.saturating_add(MOST_TICKS_BEHIND);
+        if is_due && !self.samples.iter().any(has_passed) {
+            return None;
+        }
+        self.samples.pop_front()
     }
 
     /// Drops what belongs to the standby before a run.
@@ -183,7 +209,10 @@ impl<S: BoardStream> InstrumentPort for Serial<S> {
         let reply = link.command(command, RETRIES, &mut |message| heard.take(message))?;
         match command {
             Command::Start => heard.begin(reply),
+            Command::Clear => heard.interval_ticks = None,
+            Command::Wind(WindCommand::Output(output)) => heard.interval_ticks = Some(output.output_interval_ticks),
             Command::SamplePeriod { sample_period_s } => {
+                heard.interval_ticks = None;
                 self.silence = SILENCE.max(Duration::from_secs_f32(SILENT_TICKS * sample_period_s));
             }
             _ => {}
@@ -195,7 +224,7 @@ impl<S: BoardStream> InstrumentPort for Serial<S> {
         let deadline = self.link.now() + self.silence;
         self.link.keep_alive()?;
         loop {
-            if let Some(TickReport { sample, equivalent_power_w, wind }) = self.heard.samples.pop_front() {
+            if let Some(TickReport { sample, equivalent_power_w, wind }) = self.heard.next() {
                 return Ok(Observation {
                     sample,
                     equivalent_power_w,
@@ -222,7 +251,7 @@ impl<S: BoardStream> InstrumentPort for Serial<S> {
         std::mem::take(&mut self.heard.findings)
     }
 
-    fn digest(&self) -> Option<u64> {
+    fn digests(&self) -> Option<RunDigests> {
         None
     }
 

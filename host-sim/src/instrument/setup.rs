@@ -57,7 +57,7 @@ pub fn acknowledge(instrument: &mut dyn InstrumentPort) -> Result<(), Instrument
     }
 }
 
-/// What of a head tripped, for people.
+/// Part of a head that tripped, for people.
 pub fn place(trip: Trip, names: &[&str]) -> String {
     match trip.element {
         None => "the whole instrument".to_owned(),
@@ -67,7 +67,7 @@ pub fn place(trip: Trip, names: &[&str]) -> String {
     }
 }
 
-/// Whether boards have room for a set-up.
+/// Tells whether boards have room for a set-up.
 ///
 /// # Errors
 /// What there is too much of.

@@ -15,13 +15,13 @@ pub struct BoardStatus {
     pub unique_id: String,
     /// Why it last started.
     pub started: String,
-    /// How often it has started since its supply came up.
+    /// Number of its starts since its supply came up.
     pub starts: u32,
     /// Seconds since it last started.
     pub uptime_s: u32,
     /// Run state.
     pub state: String,
-    /// Whether three trips in ten minutes have locked it.
+    /// Three trips in ten minutes have locked it.
     pub locked: bool,
     /// Trips since its supply or its reset pin started it.
     pub trips: u32,
@@ -33,6 +33,10 @@ pub struct BoardStatus {
     pub deadlines: u32,
     /// Ticks that came before the one before was through.
     pub late_ticks: u32,
+    /// Ticks that the wind estimate has missed.
+    pub missed_estimates: u32,
+    /// Longest time from the edge of a conversion to the heaters' pins in the last run, µs.
+    pub edge_to_pins_us: u32,
     /// Frames that it could not read.
     pub damaged: u32,
 }
@@ -50,6 +54,7 @@ pub struct FirstTripReport {
 
 impl BoardStatus {
     pub(super) fn of(identity: &Identity, status: &Status) -> Self {
+        let Status { control, .. } = status;
         let [low, middle, high] = identity.unique_id;
         Self {
             firmware: identity.firmware.to_string(),
@@ -57,22 +62,22 @@ impl BoardStatus {
             started: why_it_started(identity),
             starts: identity.starts,
             uptime_s: status.uptime_s,
-            state: match status.state {
+            state: match control.state {
                 RunState::Standby => "standby".to_owned(),
                 RunState::Running => "running".to_owned(),
                 RunState::Testing => "testing".to_owned(),
                 RunState::Tripped(trip) => format!("tripped: {}", of_trip(trip.cause.name(), trip.element)),
             },
-            locked: status.history.is_locked,
-            trips: status.history.trips,
-            first_trip: status.history.first.map(|FirstTrip { trip: Trip { cause, element }, at_s }| FirstTripReport {
-                cause: cause.name(),
-                element,
-                at_s,
+            locked: control.history.is_locked,
+            trips: control.history.trips,
+            first_trip: control.history.first.map(|FirstTrip { trip: Trip { cause, element }, at_s }| {
+                FirstTripReport { cause: cause.name(), element, at_s }
             }),
-            bit_flips: status.bit_flips,
+            bit_flips: control.bit_flips,
             deadlines: status.deadlines,
-            late_ticks: status.late_ticks,
+            late_ticks: control.late_ticks,
+            missed_estimates: control.missed_estimates,
+            edge_to_pins_us: control.edge_to_pins_us,
             damaged: status.link.damaged + status.link.oversized,
         }
     }
@@ -92,9 +97,10 @@ impl fmt::Display for BoardStatus {
         if let Some(FirstTripReport { cause, element, at_s }) = &self.first_trip {
             write!(f, "; the first after {at_s} s: {}", of_trip(cause, *element))?;
         }
-        let Self { bit_flips, deadlines, late_ticks, damaged, .. } = self;
-        write!(f, "\nbit flips: {bit_flips}; deadlines missed: {deadlines}; ")?;
-        writeln!(f, "late ticks: {late_ticks}; damaged frames: {damaged}")
+        let Self { bit_flips, deadlines, late_ticks, missed_estimates, edge_to_pins_us, damaged, .. } = self;
+        write!(f, "\nbit flips: {bit_flips}; deadlines missed: {deadlines}; late ticks: {late_ticks}; ")?;
+        writeln!(f, "wind estimates missed: {missed_estimates}; damaged frames: {damaged}")?;
+        writeln!(f, "levels on the pins {edge_to_pins_us} µs after their conversion at most")
     }
 }
 
@@ -119,7 +125,7 @@ pub fn why_it_started(identity: &Identity) -> String {
 mod tests {
     use super::*;
     use dr_core::control::{Cause, TripHistory};
-    use wire::{BoardKind, LinkCounters, List, Name, ResetCause};
+    use wire::{BoardKind, ControlStatus, LinkCounters, Name, ResetCause};
 
     #[test]
     fn a_locked_board_says_so_with_its_first_trip_and_when_it_was() {
@@ -134,22 +140,14 @@ mod tests {
             unique_id: [1, 2, 0xab],
         };
         let first = Some(FirstTrip { trip: Trip::of(2, Cause::Open), at_s: 75 });
-        let status = Status {
-            lost_conversions: 0,
-            uptime_s: 12,
+        let control = ControlStatus {
             state: RunState::Tripped(Trip::whole(Cause::Watchdog)),
-            link: LinkCounters::default(),
-            refused: 0,
-            unsent: 0,
-            late_ticks: 0,
-            deadlines: 1,
-            bit_flips: 0,
-            armed: false,
-            control_cycles_max: 0,
-            tick_cycles: 0,
-            margins: List::new(),
             history: TripHistory { trips: 3, is_locked: true, first },
+            edge_to_pins_us: 61,
+            ..ControlStatus::default()
         };
+        let link = LinkCounters::default();
+        let status = Status { uptime_s: 12, link, refused: 0, unsent: 0, deadlines: 1, control };
         let text = BoardStatus::of(&identity, &status).to_string();
         assert_eq!(
             text,
@@ -157,7 +155,8 @@ mod tests {
              up for 12 s, since a task of its firmware hung (start 2)\n\
              tripped: watchdog; locked until the supply or the reset pin restarts it\n\
              trips: 3; the first after 75 s: open, element 2\n\
-             bit flips: 0; deadlines missed: 1; late ticks: 0; damaged frames: 0\n"
+             bit flips: 0; deadlines missed: 1; late ticks: 0; wind estimates missed: 0; damaged frames: 0\n\
+             levels on the pins 61 µs after their conversion at most\n"
         );
     }
 }

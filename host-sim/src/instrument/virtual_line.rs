@@ -27,11 +27,11 @@ const MOST_BYTES: u32 = 1 << 20;
 /// One turn: a time, a wind, and bytes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Turn {
-    /// How long the host would wait, or what time it is for the board.
+    /// Time that the host would wait, or what time it is for the board.
     pub time: Duration,
     /// The wind that the sensor of the board has felt last, m/s; of the host's turns, nothing.
     pub wind_m_s: [f64; 3],
-    /// What goes over the line.
+    /// Bytes for the line.
     pub bytes: Vec<u8>,
 }
 
@@ -81,10 +81,10 @@ pub struct VirtualLine {
     unread: VecDeque<u8>,
 }
 
-/// What the program of a simulated board is started with.
+/// Files with which the program of a simulated board is started.
 #[derive(Debug, Clone, Copy)]
 pub struct VirtualBoardFiles<'a> {
-    /// What it runs.
+    /// Firmware.
     pub firmware: &'a Path,
     /// The experiment in whose wind tunnel its sensor stands; any sensor without one.
     pub experiment: Option<&'a Path>,

@@ -1,4 +1,4 @@
-//! What an experiment would do, without doing it: for people, and as JSON.
+//! Preview of an experiment, without doing it: for people, and as JSON.
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Write as _};
@@ -33,7 +33,7 @@ pub struct CheckReport<'a> {
     #[serde(flatten)]
     judgement: SetPointJudgement,
     models: Option<&'a str>,
-    /// What is otherwise than in the head's calibration, and matters.
+    /// Differences from the head's calibration that matter.
     differences: Vec<String>,
     #[serde(skip)]
     experiment: &'a Experiment,
@@ -52,7 +52,7 @@ struct CurrentLevels {
 }
 
 impl<'a> CheckReport<'a> {
-    /// What would run, and how many of its set-points can be held.
+    /// Preview of what would run, and how many of its set-points can be held.
     pub fn new(experiment: &'a Experiment, judgement: SetPointJudgement) -> Self {
         let names = experiment.head.names();
         let described = |(element, drive): (usize, &Drive)| (names[element], describe(drive, experiment));
@@ -83,7 +83,7 @@ impl<'a> CheckReport<'a> {
         }
     }
 
-    /// What elements do later. Those of a change are sorted by name, as in the file.
+    /// Writes later drives. Those of a change are sorted by name, as in the file.
     fn write_changes(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if !self.changes.is_empty() {
             writeln!(f)?;
@@ -180,7 +180,7 @@ impl fmt::Display for CheckReport<'_> {
     }
 }
 
-/// What blows on top of a mean.
+/// Wind on top of a mean.
 fn blown(entry: &WindEntry) -> String {
     let mut text = String::new();
     if let Some(turbulence) = entry.turbulence {
@@ -211,14 +211,14 @@ fn blown(entry: &WindEntry) -> String {
     text
 }
 
-/// How a temperature swings, if it does.
+/// Swing of a temperature, if it does.
 fn swinging(swing: Option<TemperatureSwing>) -> String {
     let Some(TemperatureSwing { amplitude_k, period_s, start_s }) = swing else { return String::new() };
     let from = if start_s > 0.0 { format!(" from {start_s} s on") } else { String::new() };
     format!(" ± {amplitude_k} K in {period_s} s{from}")
 }
 
-/// What is not printed one by one.
+/// Number of entries that are not printed.
 fn left_out(entries: usize) -> String {
     match entries.checked_sub(MOST) {
         Some(more @ 1..) => format!("… and {more} more\n"),

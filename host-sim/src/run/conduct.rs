@@ -15,8 +15,8 @@ use dr_core::control::RunState;
 
 /// Runs an experiment from start to end and hands every row to `sink`.
 ///
-/// What ends it early after its first row (the link, the instrument, somebody's request) is no
-/// error: the rows are worth keeping, and [`RunSummary::ended`] says what it was.
+/// An early end after its first row (the link, the instrument, somebody's request) is no error: the
+/// rows are worth keeping, and [`RunSummary::ended`] says what it was.
 ///
 /// # Errors
 /// If it does not come to its first row, or the sink cannot take one. The instrument is stopped
@@ -34,7 +34,7 @@ pub fn run(
             ended => Ok((judgement, ended)),
         }
     });
-    let hash = instrument.digest();
+    let digests = instrument.digests();
     // Stopped whatever happened: a board must not be left heating.
     let finished = instrument.finish();
     let (judgement, mut ended) = observed?;
@@ -42,7 +42,7 @@ pub fn run(
         ended = Some(EarlyEnd::not_stopped(ended.take(), &error));
         LinkReport::default()
     });
-    Ok(statistics.summary(experiment, judgement, hash, &report, ended))
+    Ok(statistics.summary(experiment, judgement, digests, &report, ended))
 }
 
 fn observe(

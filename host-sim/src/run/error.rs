@@ -11,7 +11,7 @@ pub type RowSink<'a> = &'a mut dyn FnMut(&RecordingRow) -> Result<(), RunError>;
 /// Why a run did not come to its end.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// What the file asks for is refused by the instrument.
+    /// The instrument refuses what the file asks for.
     #[error(transparent)]
     Refused(#[from] FileError),
     /// The instrument cannot go on.
@@ -37,7 +37,7 @@ pub enum RunError {
 pub struct EarlyEnd {
     /// A sentence.
     pub why: String,
-    /// Whether the instrument has confirmed its stop: its heaters are low.
+    /// The instrument has confirmed its stop: its heaters are low.
     pub stopped: bool,
 }
 

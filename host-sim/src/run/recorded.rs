@@ -7,7 +7,7 @@ use super::summary::RunSummary;
 use crate::experiment::Experiment;
 use crate::instrument::{Observation, setup};
 
-/// What the rows of an experiment consist of.
+/// Columns of the rows of an experiment.
 pub fn layout(experiment: &Experiment, simulated: bool) -> RecordingLayout {
     let names = experiment.head.names();
     RecordingLayout {
@@ -43,7 +43,7 @@ pub fn metadata(experiment: &Experiment, layout: &RecordingLayout, instrument: &
     known.chain(mounting.unwrap_or_default()).chain(experiment.conditions().to_metadata()).collect()
 }
 
-/// What the end of the run adds.
+/// Metadata that the end of the run adds.
 pub fn outcome(summary: &RunSummary) -> Metadata {
     let mut pairs = vec![
         ("firmware".to_owned(), summary.firmware.clone()),
@@ -54,6 +54,7 @@ pub fn outcome(summary: &RunSummary) -> Metadata {
     pairs.extend(summary.ended.iter().map(|ended| ("ended".to_owned(), ended.to_string())));
     pairs.extend(summary.extrapolated.map(|ticks| ("extrapolated".to_owned(), ticks.to_string())));
     pairs.extend(summary.hash.iter().map(|hash| ("hash".to_owned(), hash.clone())));
+    pairs.extend(summary.wind_hash.iter().map(|hash| ("wind_hash".to_owned(), hash.clone())));
     pairs
 }
 

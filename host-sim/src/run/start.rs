@@ -14,8 +14,8 @@ use crate::instrument::in_process::{self, InProcess};
 use crate::instrument::setup::{self, fits_boards};
 use crate::instrument::{InstrumentError, InstrumentPort, LockStep};
 
-/// How many set-points of an experiment, those of its changes included, can be held by a model, and
-/// how many have no model.
+/// Number of set-points of an experiment, those of its changes included, that can be held by a
+/// model, and how many have no model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
 pub struct SetPointJudgement {
     /// Set-points that a model says can be held.
@@ -27,7 +27,7 @@ pub struct SetPointJudgement {
 /// Lets a controller in this process judge the set-up and all changes before any instrument is
 /// touched: one that grants what a board of this kind does, or all that there can be without one.
 pub fn rehearse(experiment: &Experiment, board: Option<BoardKind>) -> Result<SetPointJudgement, RunError> {
-    // Which sensor is around it does not matter: no time passes.
+    // The sensor around it does not matter: no time passes.
     let sensor = experiment.simulated(&experiment.sensor_config().unwrap_or_default())?;
     let mut instrument = match board {
         Some(board) => Box::new(LockStep::new(InProcess::of(board), sensor)),
@@ -163,7 +163,8 @@ fn of_a_drive(experiment: &Experiment, refusal: &Refusal) -> String {
     unreachable(experiment, refusal).unwrap_or_else(|| format!("is refused: {}", without_number(refusal)))
 }
 
-/// Whether a number stands in the head's file, and has passed its check: only the board can mind.
+/// Tells whether a number stands in the head's file, and has passed its check: only the board can
+/// mind.
 const fn is_of_the_head(parameter: Parameter) -> bool {
     use Parameter as P;
     matches!(
@@ -179,7 +180,7 @@ const fn is_of_the_head(parameter: Parameter) -> bool {
     )
 }
 
-/// Whether a number is a current that the experiment sets in place of the head's.
+/// Tells whether a number is a current that the experiment sets in place of the head's.
 fn is_of_the_currents(experiment: &Experiment, element: usize, parameter: Parameter) -> bool {
     matches!(parameter, Parameter::CurrentLowA | Parameter::CurrentHighA) && experiment.currents.contains(&element)
 }

@@ -1,7 +1,7 @@
-//! What is added up while a run goes on: means, trips, losses, and set-points that were never
-//! reached.
+//! Sums while a run goes on: means, trips, losses, and set-points that were never reached.
 
 use dr_core::control::{Drive, RunState};
+use dr_core::{Digest, RunDigests};
 
 use super::error::{EarlyEnd, RunError};
 use super::recorded::state_name;
@@ -15,10 +15,10 @@ use anemometry::wind::tally::EstimateTally;
 /// Closer than this to its set-point an element has reached it.
 const REACHED_WITHIN_K: f32 = 0.1;
 
-/// What is added up while a run goes on.
+/// Sums while a run goes on.
 #[derive(Default)]
 pub(super) struct RunStatistics {
-    /// What is known of it so far.
+    /// Summary so far.
     summary: RunSummary,
     tally: EstimateTally,
     state: String,
@@ -28,23 +28,23 @@ pub(super) struct RunStatistics {
     elements: Vec<ElementStatistics>,
 }
 
-/// What is added up of one element.
+/// Sums of one element.
 #[derive(Default)]
 struct ElementStatistics {
     /// Sum and count of good temperatures.
     sum_c: f64,
     count: u32,
     power_w: f64,
-    /// What it does now.
+    /// Drive.
     drive: Drive,
-    /// Whether it has been at the set-point it has now.
+    /// It has been at the set-point it has now.
     reached: bool,
-    /// Whether it had a set-point before, and was not at it until it got another drive.
+    /// It had a set-point before, and was not at it until it got another drive.
     missed: bool,
 }
 
 impl ElementStatistics {
-    /// Whether it has to hold a temperature that it has not had since.
+    /// Tells whether it has to hold a temperature that it has not had since.
     fn misses(&self) -> bool {
         matches!(self.drive, Drive::Temperature { .. }) && !self.reached
     }
@@ -75,17 +75,17 @@ impl RunStatistics {
         self.summary.lost += ticks;
     }
 
-    /// How many rows there are.
+    /// Number of rows.
     pub(super) const fn rows(&self) -> u32 {
         self.summary.ticks
     }
 
-    /// Whether the last sample was of a run.
+    /// Tells whether the last sample was of a run.
     pub(super) fn is_running(&self) -> bool {
         self.last == Some(RunState::Running)
     }
 
-    /// What an error makes of the run: an early end, where there is something to keep and the
+    /// Outcome of the run by an error: an early end, where there is something to keep and the
     /// recording can take it.
     ///
     /// # Errors
@@ -99,7 +99,7 @@ impl RunStatistics {
         }
     }
 
-    /// What the instrument does now, as a row has it: "running", "tripped:open:sector3" …
+    /// State of the instrument, as a row has it: "running", "tripped:open:sector3" …
     pub(super) fn state(&self) -> &str {
         &self.state
     }
@@ -133,15 +133,16 @@ impl RunStatistics {
         self.summary.trips.push(TripSummary { time_s: experiment.time_s(sample.tick), cause, element });
     }
 
-    /// What the run amounts to.
+    /// Summary of the run.
     pub(super) fn summary(
         self,
         experiment: &Experiment,
         judgement: SetPointJudgement,
-        hash: Option<u64>,
+        digests: Option<RunDigests>,
         report: &LinkReport,
         ended: Option<EarlyEnd>,
     ) -> RunSummary {
+        let hash = |digest: Digest| format!("{:016x}", digest.value());
         let names = experiment.head.names();
         let named = || names.iter().zip(&self.elements);
         // Samples that got lost at the end belong to a run that was not cut short.
@@ -149,8 +150,9 @@ impl RunStatistics {
         RunSummary {
             duration_s: experiment.time_s(end),
             damaged: report.link.damaged + report.link.oversized,
-            late: report.status.as_ref().map_or(0, |status| status.late_ticks),
-            hash: hash.map(|hash| format!("{hash:016x}")),
+            late: report.status.as_ref().map_or(0, |status| status.control.late_ticks),
+            hash: digests.map(|of| hash(of.control)),
+            wind_hash: digests.filter(|_| experiment.wind_output.is_some()).map(|of| hash(of.wind)),
             judgement,
             ended,
             unreached: named()

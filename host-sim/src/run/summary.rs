@@ -1,4 +1,4 @@
-//! What a run amounted to, for people and as JSON.
+//! Summary of a run, for people and as JSON.
 
 use std::fmt;
 
@@ -9,10 +9,10 @@ use super::error::EarlyEnd;
 use super::start::SetPointJudgement;
 use anemometry::wind::tally::EstimateSummary;
 
-/// What a run amounted to.
+/// Summary of a run.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct RunSummary {
-    /// Of the experiment.
+    /// Title of the experiment.
     pub title: String,
     /// Name of the head.
     pub head: String,
@@ -30,17 +30,21 @@ pub struct RunSummary {
     pub late: u32,
     /// All trips, in the order of time.
     pub trips: Vec<TripSummary>,
-    /// What ended it before its time; left out if nothing did.
+    /// Cause of its early end; left out if nothing did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ended: Option<EarlyEnd>,
-    /// Of all states, temperatures and bits, where the instrument shows them all.
+    /// Hash of all states, temperatures and bits, where the instrument shows them all.
     pub hash: Option<String>,
-    /// Of its set-points, by the models.
+    /// Hash of all states of the anemometer and all its estimates; left out for heads without a
+    /// calibration.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wind_hash: Option<String>,
+    /// Judgement of its set-points, by the models.
     #[serde(flatten)]
     pub judgement: SetPointJudgement,
     /// Ticks in winds beyond what is known of convection, when simulated.
     pub extrapolated: Option<u32>,
-    /// What that is, in words.
+    /// Validity, in words.
     #[serde(skip)]
     pub validity: &'static str,
     /// Elements that never came within 0.1 K of a set-point, the first or one of a change.
@@ -58,7 +62,7 @@ pub struct RunSummary {
 pub struct TripSummary {
     /// When, s after the start.
     pub time_s: f64,
-    /// What tripped it.
+    /// Cause of the trip.
     pub cause: &'static str,
     /// The element, or the whole instrument.
     pub element: String,
@@ -67,7 +71,7 @@ pub struct TripSummary {
 /// Means of one element over the whole run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ElementSummary {
-    /// Of the element.
+    /// Name of the element.
     #[serde(skip)]
     pub name: String,
     /// Over the good readings; `None` if there was none.
@@ -96,6 +100,9 @@ impl fmt::Display for RunSummary {
         writeln!(f)?;
         if let Some(hash) = &self.hash {
             writeln!(f, "hash of all states, temperatures and bits: {hash}")?;
+        }
+        if let Some(hash) = &self.wind_hash {
+            writeln!(f, "hash of all estimates of the wind: {hash}")?;
         }
         if let Some(ticks @ 1..) = self.extrapolated {
             let share = 100.0 * f64::from(ticks) / f64::from(self.ticks.max(1));
@@ -154,6 +161,7 @@ mod tests {
             ended: None,
             trips: vec![TripSummary { time_s: 0.05, cause: "open", element: "core1".to_owned() }],
             hash: Some("00ff".to_owned()),
+            wind_hash: None,
             unreached: vec!["sector9".to_owned()],
             judgement: SetPointJudgement { judged: 0, unjudged: 1 },
             extrapolated: None,

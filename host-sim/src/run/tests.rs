@@ -6,7 +6,7 @@ use crate::experiment::Experiment;
 use crate::instrument::in_process::InProcess;
 use crate::instrument::{InstrumentError, InstrumentPort, LinkReport, LockStep, Observation};
 use dr_core::control::{HardwareLimits, RunState, SelfTestFinding};
-use dr_core::{Command, Instrument, Reply};
+use dr_core::{Command, Instrument, Reply, RunDigests};
 use recording::RecordingError;
 use wire::Identity;
 
@@ -238,7 +238,7 @@ impl InstrumentPort for Breaking {
         Vec::new()
     }
 
-    fn digest(&self) -> Option<u64> {
+    fn digests(&self) -> Option<RunDigests> {
         None
     }
 

@@ -30,7 +30,7 @@ const COVERAGE: f64 = 2.0;
 /// An element so near to its `temperature_max_c` ends the excitation, K.
 const MARGIN_K: f64 = 5.0;
 
-/// What is known of an element's currents.
+/// Finding on an element's currents.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CurrentsFinding {
     /// Name of the element.
@@ -59,7 +59,7 @@ pub struct CurrentsReport {
     pub ticks: usize,
     /// Greatest error that passes, ppm.
     pub bound_ppm: f64,
-    /// Whether all elements pass.
+    /// All elements pass.
     #[serde(rename = "well")]
     pub pass: bool,
     /// One an element of the head, none of those that are never driven.
@@ -230,7 +230,7 @@ impl CurrentsReport {
         Some(format!("the ratio of the currents of {} is not known: {why}{hot}", of.element))
     }
 
-    /// What is wrong in one clause; nothing if the test has passed.
+    /// Faults in one clause; nothing if the test has passed.
     pub fn faults(&self) -> Option<String> {
         let of = self.findings.iter().flatten();
         let wrong = of.clone().filter(|of| of.verdict != "pass").count();

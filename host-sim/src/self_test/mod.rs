@@ -15,7 +15,7 @@ pub use report::{SelfTestReport, StoredSelfTests};
 
 /// Ticks to wait beyond those of the plan: what a board has sent before it received the command.
 const TIMEOUT_TICKS: u32 = 200;
-/// How long to wait where the plan's ticks are not known: longer than any test takes.
+/// Time to wait where the plan's ticks are not known: longer than any test takes.
 const TIMEOUT: Duration = Duration::from_secs(1200);
 
 /// Has an instrument test itself, in standby or, without a pulse, tripped.

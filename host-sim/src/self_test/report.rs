@@ -27,9 +27,9 @@ pub struct SelfTestReport {
 }
 
 impl SelfTestReport {
-    /// What is wrong in one clause; nothing if the test has passed.
+    /// Faults in one clause; nothing if the test has passed.
     pub fn faults(&self) -> Option<String> {
-        faults(self.findings.iter())
+        faults(&self.findings)
     }
 }
 
@@ -40,7 +40,7 @@ impl fmt::Display for SelfTestReport {
             None => "nothing heated".to_owned(),
         };
         let when = self.plan.unix_s.map_or_else(String::new, |unix_s| format!(", {}", date(unix_s)));
-        write!(f, "{}{when}: {heat}\n\n{}", self.firmware, table(&self.names, self.findings.iter()))
+        write!(f, "{}{when}: {heat}\n\n{}", self.firmware, table(&self.names, &self.findings))
     }
 }
 
@@ -63,10 +63,10 @@ impl Serialize for SelfTestReport {
 struct TestJson<'a> {
     firmware: &'a str,
     date: Option<String>,
-    /// Of one that is just over.
+    /// Pulse of one that is just over.
     #[serde(skip_serializing_if = "Option::is_none")]
     pulse_s: Option<Option<f32>>,
-    /// Of one that a board has kept.
+    /// Start of one that a board has kept.
     #[serde(skip_serializing_if = "Option::is_none")]
     starts: Option<u32>,
     #[serde(rename = "well")]
@@ -74,35 +74,30 @@ struct TestJson<'a> {
     elements: Vec<FindingJson>,
 }
 
-/// The self-tests that a board has kept, the findings of each together.
+/// The self-tests that a board has kept.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredSelfTests {
-    /// One an element and test.
-    pub records: Vec<TestRecord>,
+    /// The last that a host requested, and the last after a start.
+    pub tests: Vec<TestRecord>,
     /// Names of the elements, as far as they are known.
     pub names: Vec<String>,
 }
 
 impl StoredSelfTests {
-    /// What is wrong in one clause; nothing if all tests have passed.
+    /// Faults in one clause; nothing if all tests have passed.
     pub fn faults(&self) -> Option<String> {
-        faults(self.records.iter().map(|record| &record.finding))
-    }
-
-    /// The records of each test, one at least.
-    fn tests(&self) -> impl Iterator<Item = &[TestRecord]> {
-        let same =
-            |a: &TestRecord, b: &TestRecord| (a.unix_s, a.starts, &a.firmware) == (b.unix_s, b.starts, &b.firmware);
-        self.records.chunk_by(same)
+        let all: Vec<SelfTestFinding> = self.tests.iter().flat_map(|test| &test.findings).copied().collect();
+        faults(&all)
     }
 }
 
 impl fmt::Display for StoredSelfTests {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (place, test) in self.tests().enumerate() {
+        for (place, test) in self.tests.iter().enumerate() {
             let gap = if place > 0 { "\n" } else { "" };
-            write!(f, "{gap}{}, {}\n\n", test[0].firmware, when(&test[0]))?;
-            write!(f, "{}", table(&self.names, test.iter().map(|record| &record.finding)))?;
+            let at_start = || format!("at start {} since its supply came up", test.starts);
+            write!(f, "{gap}{}, {}\n\n", test.firmware, test.unix_s.map_or_else(at_start, date))?;
+            write!(f, "{}", table(&self.names, &test.findings))?;
         }
         Ok(())
     }
@@ -114,13 +109,13 @@ impl Serialize for StoredSelfTests {
         struct StoredJson<'a> {
             tests: Vec<TestJson<'a>>,
         }
-        let tests = self.tests().map(|test| TestJson {
-            firmware: &test[0].firmware,
-            date: test[0].unix_s.map(date),
+        let tests = self.tests.iter().map(|test| TestJson {
+            firmware: &test.firmware,
+            date: test.unix_s.map(date),
             pulse_s: None,
-            starts: Some(test[0].starts),
-            pass: faults(test.iter().map(|record| &record.finding)).is_none(),
-            elements: test.iter().map(|record| FindingJson::of(&self.names, &record.finding)).collect(),
+            starts: Some(test.starts),
+            pass: faults(&test.findings).is_none(),
+            elements: test.findings.iter().map(|finding| FindingJson::of(&self.names, finding)).collect(),
         });
         StoredJson { tests: tests.collect() }.serialize(serializer)
     }
@@ -154,16 +149,11 @@ impl FindingJson {
     }
 }
 
-/// What is wrong with some elements in one clause; nothing if all have passed.
-fn faults<'a>(findings: impl ExactSizeIterator<Item = &'a SelfTestFinding>) -> Option<String> {
+/// Faults of some elements in one clause; nothing if all have passed.
+fn faults(findings: &[SelfTestFinding]) -> Option<String> {
     let all = findings.len();
-    let wrong = findings.filter(|finding| !finding.faults.is_none()).count();
+    let wrong = findings.iter().filter(|finding| !finding.faults.is_none()).count();
     (wrong > 0).then(|| format!("faults in {wrong} of {all} elements"))
-}
-
-/// When a board was tested, as far as it knows.
-pub fn when(record: &TestRecord) -> String {
-    record.unix_s.map_or_else(|| format!("at start {} since its supply came up", record.starts), date)
 }
 
 const HEADER: [&str; 10] =
@@ -187,8 +177,8 @@ fn row(name: String, finding: &SelfTestFinding) -> Vec<String> {
     ]
 }
 
-/// What is wrong with an element, or `pass`.
-pub fn verdict(finding: &SelfTestFinding) -> String {
+/// Verdict on an element, or `pass`.
+fn verdict(finding: &SelfTestFinding) -> String {
     match (finding.faults.is_none(), finding.cause) {
         (true, _) => "pass".to_owned(),
         (false, Some(cause)) => format!("{} ({})", finding.faults, cause.name()),
@@ -207,9 +197,9 @@ fn date(unix_s: u32) -> String {
 }
 
 /// An element a line. The last line is the verdict on all.
-fn table<'a>(names: &[String], findings: impl ExactSizeIterator<Item = &'a SelfTestFinding> + Clone) -> String {
+fn table(names: &[String], findings: &[SelfTestFinding]) -> String {
     let mut lines = vec![HEADER.map(str::to_owned).to_vec()];
-    lines.extend(findings.clone().map(|finding| row(name(names, finding), finding)));
+    lines.extend(findings.iter().map(|finding| row(name(names, finding), finding)));
     // Two words, the rest are numbers.
     let right: Vec<usize> = (2..HEADER.len()).collect();
     let verdict = faults(findings).unwrap_or_else(|| "pass".to_owned());

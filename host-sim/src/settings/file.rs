@@ -1,17 +1,14 @@
 //! Settings as a file: TOML that people can read and change, with its own version.
 //!
 //! ```toml
-//! version = 1
+//! version = 2
 //! firmware = "anemo 0.2.0+1a2b3c4d"
+//! name = "north mast"
+//! telemetry_every = 1
 //!
-//! [[setting]]
-//! key = "name"
-//! value.Name = "north mast"
+//! [[setup]]
 //!
-//! [[setting]]
-//! key = "guard"
-//!
-//! [setting.value.Command.Guard]
+//! [setup.Guard]
 //! missing_limit_ticks = 5
 //! unreachable_limit_ticks = 3000
 //! stuck_limit_ticks = 200
@@ -20,49 +17,44 @@
 //! Values are those of the wire protocol by their names there. Numbers are the shortest decimals
 //! that lead back to the same bits.
 
-use std::collections::BTreeMap;
-
+use dr_core::Command;
 use serde::{Deserialize, Serialize};
-use wire::Setting;
-use wire::settings::KeyNumber;
+use wire::Name;
+use wire::settings::{Preface, sets_up};
 
-use super::names;
+use super::edit::{Settings, key};
 use recording::toml_file::{FileError, TomlSource};
 
 /// Version of the file. Another one is refused.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SettingsTable {
     version: u32,
-    /// What it was read from; for people.
+    /// Firmware that it was read from; for people.
     firmware: String,
+    name: Name,
+    telemetry_every: u16,
     #[serde(default)]
-    setting: Vec<SettingEntry>,
+    setup: Vec<Command>,
 }
 
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SettingEntry {
-    key: String,
-    value: Setting,
-}
-
-/// The file's text.
+/// Writes settings as text.
 ///
 /// # Errors
 /// If it cannot be written as TOML.
-pub fn to_toml(firmware: &str, settings: &BTreeMap<KeyNumber, Setting>) -> Result<String, toml::ser::Error> {
-    let setting = settings.iter().map(|(&key, value)| SettingEntry { key: names::of(key), value: value.clone() });
-    toml::to_string(&SettingsTable { version: VERSION, firmware: firmware.to_owned(), setting: setting.collect() })
+pub fn to_toml(firmware: &str, settings: &Settings) -> Result<String, toml::ser::Error> {
+    let Preface { name, telemetry_every } = settings.preface.clone();
+    let (firmware, setup) = (firmware.to_owned(), settings.commands().to_vec());
+    toml::to_string(&SettingsTable { version: VERSION, firmware, name, telemetry_every, setup })
 }
 
-/// Reads it.
+/// Reads settings from a file.
 ///
 /// # Errors
 /// File, line and what is wrong.
-pub fn from_source(source: &TomlSource) -> Result<BTreeMap<KeyNumber, Setting>, FileError> {
+pub fn from_source(source: &TomlSource) -> Result<Settings, FileError> {
     #[derive(Deserialize)]
     struct StoredHead {
         version: u32,
@@ -71,24 +63,17 @@ pub fn from_source(source: &TomlSource) -> Result<BTreeMap<KeyNumber, Setting>, 
     if version != VERSION {
         return Err(source.refuse("version", format!("is {version}: this program reads version {VERSION}")));
     }
-    let table: SettingsTable = source.parse()?;
-    let mut settings = BTreeMap::new();
-    for (i, SettingEntry { key, value }) in table.setting.into_iter().enumerate() {
-        let place = format!("setting[{i}].key");
-        let number = value.key().map(wire::settings::SettingKey::number);
-        let Some(number) = number else {
-            return Err(source.refuse(&place, "has a command that sets nothing up"));
-        };
-        if names::is_the_boards(number) {
-            return Err(source.refuse(&place, format!("is `{key}`, which a board writes by itself: leave it out")));
+    let SettingsTable { name, telemetry_every, setup, .. } = source.parse()?;
+    let mut settings = Settings::new(Preface { name, telemetry_every });
+    for (i, command) in setup.into_iter().enumerate() {
+        let (place, key) = (format!("setup[{i}]"), key(&command));
+        if !sets_up(&command) {
+            return Err(source.refuse(&place, "is a command that sets nothing up"));
         }
-        if names::of(number) != key {
-            let sentence = format!("is `{key}`, but its value is one of `{}`", names::of(number));
-            return Err(source.refuse(&place, sentence));
-        }
-        if settings.insert(number, value).is_some() {
+        if key != "head" && settings.value(key).is_some() {
             return Err(source.refuse(&place, format!("is `{key}`, which stands there twice")));
         }
+        settings.put(command);
     }
     Ok(settings)
 }
@@ -99,22 +84,11 @@ mod tests {
     use anemometry::head::Head;
     use dr_core::control::HardwareLimits;
 
-    #[test]
-    fn a_head_of_more_elements_than_a_board_has_is_refused() {
-        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../heads/sphere-b.toml");
-        let mut head = Head::read(&path).unwrap();
-        let first = head.elements[0].clone();
-        head.elements.resize(24, first);
-        let refused = crate::settings::of_head(&head, 0.01, &mut BTreeMap::new()).unwrap_err();
-        assert_eq!(refused.to_string(), "the head has 24 elements, boards have room for 16");
-    }
-
-    fn sphere_b() -> BTreeMap<KeyNumber, Setting> {
+    fn sphere_b() -> Settings {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/fixtures/sphere-b-calibrated.toml");
-        let head = Head::from_source(TomlSource::read(&path).unwrap()).unwrap();
-        let mut settings = BTreeMap::new();
-        crate::settings::of_head(&head, 0.001, &mut settings).unwrap();
-        names::set(&mut settings, "name", "north \"mast\" ° 1").unwrap();
+        let mut settings = Settings::default();
+        settings.set_head(&Head::read(&path).unwrap(), 0.001).unwrap();
+        settings.set("name", "north \"mast\" ° 1", None).unwrap();
         settings
     }
 
@@ -125,14 +99,8 @@ mod tests {
     #[test]
     fn a_whole_head_comes_back_bit_for_bit() {
         let settings = sphere_b();
-        assert!(settings.len() > 80, "{}", settings.len());
-        crate::settings::rehearse(&settings, &HardwareLimits::SIMULATED).unwrap();
-        let text = to_toml("anemo", &settings).unwrap();
-        let back = from_source(&source(text)).unwrap();
-        assert_eq!(back.len(), settings.len());
-        for (key, setting) in &settings {
-            assert_eq!(back[key].value().unwrap(), setting.value().unwrap(), "{}", names::of(*key));
-        }
+        let back = from_source(&source(to_toml("anemo", &settings).unwrap())).unwrap();
+        assert_eq!(back.bytes().unwrap(), settings.bytes().unwrap());
     }
 
     #[test]
@@ -142,28 +110,18 @@ mod tests {
             assert!(text.contains(from), "{from}");
             from_source(&source(text.replacen(from, to, 1))).unwrap_err().to_string()
         };
-        assert!(refused("version = 1", "version = 2").contains("`version` is 2: this program reads version 1"));
-        assert!(refused("key = \"guard\"", "key = \"observe\"").contains("but its value is one of `guard`"));
-        assert!(refused("key = \"element.1\"", "key = \"element.0\"").contains("is one of `element.1`"));
+        assert!(refused("version = 2", "version = 1").contains("`version` is 1: this program reads version 2"));
         assert!(refused("missing_limit_ticks", "missing_limit").contains("missing_limit"));
-        let twice = format!("{text}\n[[setting]]\nkey = \"name\"\nvalue.Name = \"x\"\n");
-        assert!(from_source(&source(twice)).unwrap_err().to_string().contains("stands there twice"));
+        let more = |more: &str| from_source(&source(format!("{text}\n[[setup]]\n{more}\n"))).unwrap_err().to_string();
+        assert!(more("Observe = { on = true }\n[[setup]]\nObserve = { on = true }").contains("stands there twice"));
+        assert!(more("Arm = { window_s = 1.0 }").contains("sets nothing up"));
         // Right as a file, but nothing that an instrument would take.
+        let rehearsed = |settings: &Settings| crate::settings::rehearse(settings, &HardwareLimits::SIMULATED);
         let mut wrong = sphere_b();
-        names::set(&mut wrong, "sample_period_s", "100").unwrap();
-        assert!(
-            crate::settings::rehearse(&wrong, &HardwareLimits::SIMULATED)
-                .unwrap_err()
-                .to_string()
-                .starts_with("sample_period_s: ")
-        );
-        wrong.retain(|&key, _| key != 0x1000);
-        names::set(&mut wrong, "sample_period_s", "0.001").unwrap();
-        assert!(
-            crate::settings::rehearse(&wrong, &HardwareLimits::SIMULATED)
-                .unwrap_err()
-                .to_string()
-                .starts_with("element.1: element 0 has no configuration")
-        );
+        wrong.set("sample_period_s", "100", None).unwrap();
+        assert!(rehearsed(&wrong).unwrap_err().to_string().starts_with("sample_period_s: "));
+        let lines = text.replace("element = 0\n", "element = 3\n");
+        let wrong = from_source(&source(lines)).unwrap();
+        assert!(rehearsed(&wrong).unwrap_err().to_string().starts_with("head: element"));
     }
 }

@@ -1,16 +1,14 @@
 //! Settings of a board, from the host: read, checked, changed, backed up and restored.
 //!
-//! Whatever is to be stored is rehearsed first: a controller of this process is set up by all of it
-//! in the board's order, and what it refuses is never written. So a board holds only what it can be
-//! set up by, unless another firmware wrote it.
+//! New settings are rehearsed first: a controller of this process is set up by all of them, and
+//! what it refuses is never written. So a board stores only settings that it can be set up by,
+//! unless another firmware wrote them.
 
 mod board;
+mod edit;
 pub mod file;
-mod kept;
-pub mod names;
 mod report;
 
-pub use board::{change, of_head, read_all, rehearse, sample_period_s, usable};
-pub use kept::{KeptSetting, content, default_of};
-pub use names::SettingsError;
+pub use board::{StoredSettings, read_all, rehearse, write, write_requests};
+pub use edit::{KEYS, Settings, SettingsError};
 pub use report::{SettingReport, SettingsReport};

@@ -33,7 +33,7 @@ const PRBS_ORDER: u8 = 10;
 /// one, and this is the start from which the first ten inverted bits are ones.
 const PRBS_SEED: u32 = 0b01_1100_0111;
 
-/// What drives the system.
+/// Input of the system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ColeColeInput {
@@ -58,7 +58,7 @@ impl ColeColeInput {
 pub struct ColeColeCase {
     /// Distance of rows in time.
     pub sample_period_s: f64,
-    /// What drove the system.
+    /// Input of the system.
     pub input: Vec<f64>,
     /// The exact output.
     pub clean: Vec<f64>,

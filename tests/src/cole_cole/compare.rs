@@ -1,4 +1,4 @@
-//! What was identified of Cole and Cole's system, held against what is exact.
+//! Identification of Cole and Cole's system, held against what is exact.
 
 use super::case::ColeColeCase;
 use super::exact::{THESIS_ORDER, symbol, thesis_mesh_rad_s};
@@ -18,8 +18,8 @@ pub struct SymbolValue {
     pub relative_error: f64,
     /// Standard error of the identified value.
     pub se: f64,
-    /// Whether the rate lies from the second to the seventh of the thesis' mesh, where the
-    /// experiment can see it.
+    /// The rate lies from the second to the seventh of the thesis' mesh, where the experiment can
+    /// see it.
     pub interior: bool,
 }
 
@@ -30,7 +30,7 @@ pub struct ColeColeComparison {
     pub symbol: Vec<SymbolValue>,
     /// Largest |relative error| of the interior rates; NaN if there are none.
     pub largest_interior_error: f64,
-    /// How many identified values are below zero.
+    /// Number of identified values below zero.
     pub negative_values: usize,
     /// Root mean square difference of the model, run forward from rest, to the clean output.
     pub output_rmse: f64,

@@ -238,7 +238,7 @@ fn the_true_response_lies_within_the_bands() {
         let own = whole * response_error(&model, pair, "all", 1.0).unwrap().log_magnitude;
         widest = widest.min(squares.sum::<f64>().sqrt() / own);
     }
-    // Of 24 records, 95 % is 22.8; fewer than 19 have a probability of 0.6 % at one frequency. What
+    // 95 % of 24 records is 22.8; fewer than 19 have a probability of 0.6 % at one frequency. What
     // the prior may have pulled counts in full, so that bands hold more rather than less.
     println!("{held:?}, one by one {widest:.1} times as wide");
     assert!(held.iter().flatten().all(|held| *held >= 19), "{held:?}");

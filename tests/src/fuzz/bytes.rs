@@ -1,6 +1,6 @@
 //! Numbers from the bytes of an input, one after the other.
 
-/// What is left of an input.
+/// Rest of an input.
 pub struct Bytes<'a>(pub &'a [u8]);
 
 impl Bytes<'_> {

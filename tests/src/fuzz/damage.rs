@@ -39,7 +39,7 @@ const TOKENS: [&str; 32] = [
     "=",
 ];
 
-/// What separates the parts of a text.
+/// Separators of the parts of a text.
 const SEPARATORS: &[u8] = b",\n:=[]{} ";
 
 /// Draws damage.

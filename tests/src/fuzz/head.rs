@@ -6,9 +6,8 @@ use dr_core::control::HardwareLimits;
 use dr_core::{Command, Instrument};
 use host_sim::experiment::models::Models;
 use host_sim::sensor::{Construction, Sensor, SensorConfig};
-use host_sim::settings::{file, of_head, rehearse};
+use host_sim::settings::{Settings, file, rehearse};
 use recording::toml_file::TomlSource;
-use std::collections::BTreeMap;
 use std::sync::LazyLock;
 use wire::MOST_ELEMENTS;
 
@@ -47,7 +46,7 @@ pub fn run(bytes: &[u8]) -> bool {
     }
 }
 
-/// What has a body can be simulated, or its gas is refused.
+/// A head with a body can be simulated, or its gas is refused.
 fn is_simulated(head: &Head) {
     let small = head.body.as_ref().is_some_and(|body| body.nodes.len() <= MOST_NODES);
     let Some(construction) = Construction::of(head).filter(|_| small) else { return };
@@ -78,10 +77,10 @@ fn is_taken(head: &Head) {
     assert_eq!(names.len(), head.elements.len(), "each element has a name of its own");
 }
 
-/// What a board would keep of it is written as a file and read as the same.
+/// The settings that a board would keep of it are written as a file and read as the same.
 fn is_kept(head: &Head) {
-    let mut settings = BTreeMap::new();
-    if let Err(error) = of_head(head, SAMPLE_PERIOD_S, &mut settings) {
+    let mut settings = Settings::default();
+    if let Err(error) = settings.set_head(head, SAMPLE_PERIOD_S) {
         return super::sentences::said(&error.to_string());
     }
     let text = file::to_toml("a firmware", &settings).expect("any setting can be written");

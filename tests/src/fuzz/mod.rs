@@ -1,11 +1,11 @@
-//! What is given to every reader of foreign bytes, and what has to hold whatever they are.
+//! Inputs of every reader of foreign bytes, and what has to hold whatever they are.
 //!
 //! | target | bytes are | holds |
 //! |---|---|---|
 //! | [`frame`] | what comes over a link | each frame is taken or counted; what is taken comes out again, and fits into a frame |
 //! | [`command`] | commands and readings, one after the other | the invariant of the heaters after every tick; what is refused changes nothing |
-//! | [`settings`] | a kept value behind its key, or a file of settings | what is read is kept and read as the same |
-//! | [`flash`] | values that are written, then damage to the flash | whatever is found can be told, and no more than was kept |
+//! | [`settings`] | a record or a file of settings | settings that are read are stored and read as the same |
+//! | [`flash`] | records that are written, then damage to the flash | settings are found that were stored, or it is named why not |
 //! | [`record`] | a recording as CSV or Parquet | numbers that agree with the survey |
 //! | [`model`] | a model's JSON | what is read is written and read as the same; it can be run, drawn, exported |
 //! | [`head`] | a head, or the models of its elements | a controller takes its elements; what is kept of it is read as the same |

@@ -8,7 +8,7 @@ use recording::{ColumnValues, RecordingError, RecordingReader};
 use std::path::Path;
 use tempfile::TempDir;
 
-/// How a file in Parquet begins.
+/// Beginning of a file in Parquet.
 const PARQUET: &[u8] = b"PAR1";
 
 thread_local! {

@@ -1,4 +1,4 @@
-//! What a refusal has to be: one sentence, without what could disturb a terminal.
+//! Form of a refusal: one sentence, without what could disturb a terminal.
 
 /// A refusal is one sentence that can be shown as it is.
 pub(super) fn said(sentence: &str) {

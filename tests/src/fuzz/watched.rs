@@ -14,13 +14,13 @@ use dr_core::sensor::{Level, Reading};
 use dr_core::wind::QualityFlags;
 use dr_core::{Command, Instrument, Reply};
 
-/// How many elements the watched station has room for.
+/// Number of elements that the watched station has room for.
 pub const ELEMENTS: usize = 3;
 
 /// The station, and what is known of it from outside.
 pub struct Watched {
     station: Instrument<ELEMENTS>,
-    /// What each element was last configured as.
+    /// Last configuration of each element.
     configs: [Option<ElementConfig>; ELEMENTS],
     /// Levels since the last tick, at which the next readings are taken.
     levels: Heaters,
@@ -58,7 +58,7 @@ impl Watched {
         (volt / volt_per_code(config)) as i32
     }
 
-    /// How an element was configured.
+    /// Configuration of an element.
     pub fn config(&self, element: usize) -> Option<&ElementConfig> {
         self.configs.get(element)?.as_ref()
     }
@@ -135,7 +135,7 @@ impl Watched {
             assert!(before == heats || tick.state != heats, "it began to heat by itself: {tick:?}");
         }
         if matches!(tick.state, RunState::Tripped(Trip { cause: Cause::BitFlip, .. })) {
-            // What it knows is wrong, and so may be what it tells; until that is acknowledged it
+            // Its knowledge is wrong, and so may be its messages; until that is acknowledged it
             // heats nothing.
             assert_eq!(tick.heaters, Heaters(0), "heated after an upset");
             self.levels = tick.heaters;
@@ -172,7 +172,7 @@ impl Watched {
         tick
     }
 
-    /// Whether a reading is one of an element within its limits.
+    /// Tells whether a reading is one of an element within its limits.
     fn can_be(&self, i: usize, reading: Reading) -> bool {
         let (Some(config), Reading::Code(code)) = (&self.configs[i], reading) else { return false };
         let level = if self.levels.is_high(i) { Level::High } else { Level::Low };

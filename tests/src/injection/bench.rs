@@ -4,15 +4,14 @@
 use super::Subject;
 use dr_core::control::{Cause, Heaters};
 use dr_core::sensor::Reading;
-use dr_core::{Command, Reply};
+use dr_core::{Command, Reply, RunDigests};
 use firmware::crash_record::{CrashRecord, end_of};
 use firmware::dead_man::DeadManCounter;
 use firmware::inbox::{Exchange, Inbox, Request, SettingsJob, TelemetryRequests, Wake};
 use heapless::spsc::{Consumer, Queue};
 use host_sim::instrument::in_process::InProcess;
 use host_sim::instrument::{InstrumentError, LinkReport, LockStepController, TickReport};
-use std::collections::BTreeMap;
-use wire::settings::{KeyNumber, SettingValue};
+use host_sim::settings::Settings;
 use wire::{
     BoardKind, Crash, CrashKind, Identity, LinkCounters, MOST_ELEMENTS, Name, Provocation, Receiver, ResetCause,
     SettingsRefusal, ToBoard,
@@ -64,7 +63,7 @@ pub fn with_bench<R>(take: impl FnOnce(Bench<'_>) -> R) -> R {
 }
 
 impl Bench<'_> {
-    /// As the start of the firmware does it.
+    /// Starts anew as the firmware does.
     fn start_anew(&mut self, reset: ResetCause) {
         // Without supply the RAM is lost.
         self.past = match reset {
@@ -113,8 +112,8 @@ impl LockStepController for Bench<'_> {
         Ok(told)
     }
 
-    fn digest(&self) -> u64 {
-        self.body.digest()
+    fn digests(&self) -> RunDigests {
+        self.body.digests()
     }
 
     fn finish(self: Box<Self>) -> Result<LinkReport, InstrumentError> {
@@ -135,7 +134,7 @@ impl Subject for Bench<'_> {
             if let Some(received) = self.receiver.push::<ToBoard>(byte) {
                 let stop = matches!(self.inbox.accept(&received), Wake::Stop(_)).then_some(Command::Stop);
                 if let Some(command) = stop.or_else(|| self.requests.dequeue().map(|(_, command)| command)) {
-                    // What is refused is told to whoever sent it.
+                    // A refusal is told to whoever sent it.
                     self.command(command).ok();
                 }
             }
@@ -163,11 +162,11 @@ impl Subject for Bench<'_> {
         Ok(self.body.station_mut().flip_bit(which, element, bit).is_some())
     }
 
-    fn kept(&mut self) -> Result<BTreeMap<KeyNumber, SettingValue>, InstrumentError> {
+    fn kept(&mut self) -> Result<Settings, InstrumentError> {
         Err(keeps_none())
     }
 
-    fn store_with_a_cut(&mut self, _: KeyNumber, _: SettingValue, _: u32) -> Result<bool, InstrumentError> {
+    fn store_with_a_cut(&mut self, _: &Settings, _: u32) -> Result<bool, InstrumentError> {
         Err(keeps_none())
     }
 }

@@ -10,7 +10,7 @@ use super::judge::Judge;
 use super::{Kind, Subject};
 use crate::{readings, sensor};
 use dr_core::control::{Cause, Heaters, RunState, SelfTestFinding};
-use dr_core::{Command, Reply};
+use dr_core::{Command, Reply, RunDigests};
 use host_sim::experiment::Experiment;
 use host_sim::instrument::{InstrumentError, InstrumentPort, LinkReport, LockStepController, Observation};
 use host_sim::sensor::Sensor;
@@ -23,7 +23,7 @@ use wire::{Identity, LinkCounters};
 /// are elements, whose models are looked at in turn.
 const WELL_TICKS: u32 = 20;
 
-/// What came of all faults of a kind.
+/// Outcomes of all faults of a kind.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Row {
     pub kind: Kind,
@@ -39,7 +39,7 @@ pub struct Row {
     pub ticks_to_safe: u32,
 }
 
-/// Whether frames have been dropped.
+/// Tells whether frames have been dropped.
 fn dropped(counters: &LinkCounters) -> u32 {
     counters.damaged + counters.oversized + counters.repeated + counters.foreign
 }
@@ -58,8 +58,8 @@ pub fn campaign<S: Subject>(subject: &mut S, experiment: &Experiment, kind: Kind
         lab.tick(|_| ()).expect("a healthy instrument runs");
     }
     let mut row = Row { kind, faults, correct: 0, trips: BTreeMap::new(), dropped: 0, ticks_to_safe: 0 };
-    // How many ticks that takes hangs on the machine: where it is not needed, the campaign is the
-    // same every time.
+    // The number of ticks depends on the machine: where it is not needed, the campaign is the same
+    // every time.
     let before = kind.is_counted().then(|| lab.counted());
     for n in 0..faults {
         let fault = Fault::draw(kind, experiment.head.elements.len(), &mut random);
@@ -91,7 +91,7 @@ pub fn campaign<S: Subject>(subject: &mut S, experiment: &Experiment, kind: Kind
     row
 }
 
-/// How a fault ended.
+/// End of a fault.
 enum Ended {
     Correct,
     Tripped(Cause, u32),
@@ -137,16 +137,18 @@ impl<S: Subject> Lab<'_, S> {
         }
     }
 
-    /// The supply fails while a setting is written: it is the old one or the new one then, and no
+    /// The supply fails while settings are written: they are the old or the new ones then, and no
     /// heater is on before or after.
     fn lose_power(&mut self, fault: &Fault, what: &str) -> Ended {
         self.subject.command(Command::Stop).expect("it can always be stopped");
         assert_eq!((self.tick(|_| ()), self.judge.levels()), (Ok(false), Heaters(0)), "{what}: stopped");
-        let (setting, after_bytes) = fault.interrupted();
-        let (key, value) = (setting.key().expect("it is one that is kept").number(), setting.value().expect("it fits"));
         let old = self.subject.kept().expect("it keeps settings");
-        let new: BTreeMap<_, _> = old.clone().into_iter().chain([(key, value.clone())]).collect();
-        let failed = self.subject.store_with_a_cut(key, value, after_bytes).expect("it comes back");
+        let (mut new, (command, after)) = (old.clone(), fault.interrupted());
+        new.put(command);
+        // The erase of a sector, header and mark count, too.
+        let bytes = new.bytes().expect("a head fits").len() as u32 + 36;
+        let after_bytes = after % bytes;
+        let failed = self.subject.store_with_a_cut(&new, after_bytes).expect("it comes back");
         assert_eq!((self.tick(|_| ()), self.judge.levels()), (Ok(false), Heaters(0)), "{what}: before it is started");
         let now = self.subject.kept().expect("they are whole");
         assert!(now == new || failed && now == old, "{what}: neither old nor new, cut after {after_bytes} bytes");
@@ -206,7 +208,7 @@ impl<S: Subject> Lab<'_, S> {
         panic!("{what}: neither correct again, nor tripped, after {} ticks: {fault:?}", kind.window_ticks())
     }
 
-    /// What the link has counted, the last fault included.
+    /// Counters of the link, the last fault included.
     fn counted(&mut self) -> LinkCounters {
         // The second status from now on has seen all that came before.
         let (from_s, _) = self.subject.counted().expect("it is there");
@@ -220,7 +222,7 @@ impl<S: Subject> Lab<'_, S> {
     }
 }
 
-/// Whether the readings themselves are wrong in a tick, however well they are told.
+/// Tells whether the readings themselves are wrong in a tick, however well they are told.
 fn is_wrong(fault: &Fault, t: u32) -> bool {
     fault.is_on(t) && fault.changes_readings()
 }
@@ -245,7 +247,7 @@ impl<S: LockStepController + ?Sized> InstrumentPort for AsInstrument<'_, S> {
         Vec::new()
     }
 
-    fn digest(&self) -> Option<u64> {
+    fn digests(&self) -> Option<RunDigests> {
         None
     }
 

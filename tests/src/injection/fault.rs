@@ -1,4 +1,4 @@
-//! What can go wrong: kinds, and faults of a kind as a seed draws them.
+//! Faults: kinds, and faults of a kind as a seed draws them.
 
 use diffusive::random::StandardNormal;
 use dr_core::Command;
@@ -7,7 +7,7 @@ use dr_core::sensor::{Level, Reading};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::Rng;
 use rand_distr::Distribution;
-use wire::{MAX_FRAME, Provocation, Setting, ToBoard, encode};
+use wire::{MAX_FRAME, Provocation, ToBoard, encode};
 
 /// Kinds of faults.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -96,7 +96,7 @@ impl Kind {
             Self::Reset => "reset",
             Self::Panic => "panic",
             Self::ProcessorFault => "processor fault",
-            Self::PowerCut => "supply gone while a setting is written",
+            Self::PowerCut => "supply gone while settings are written",
         }
     }
 
@@ -110,7 +110,7 @@ impl Kind {
         }
     }
 
-    /// What a link has to count of each such fault; whatever comes of `Replayed` is the
+    /// Tells whether a link has to count such a fault; whatever comes of `Replayed` is the
     /// controller's to refuse.
     pub const fn is_counted(self) -> bool {
         matches!(
@@ -119,7 +119,7 @@ impl Kind {
         )
     }
 
-    /// What is done to the whole instrument.
+    /// Harm to the whole instrument.
     pub const fn harm(self) -> Option<Provocation> {
         match self {
             Self::Reset => Some(Provocation::Reset),
@@ -170,18 +170,18 @@ impl Fault {
         Self { kind, element, size, ticks, bits: random.next_u32(), stuck: None, noise }
     }
 
-    /// Whether something is wrong with the readings in the tick that is its `t`-th.
+    /// Tells whether something is wrong with the readings in the tick that is its `t`-th.
     pub const fn is_on(&self, t: u32) -> bool {
         t < self.ticks
     }
 
-    /// Whether it changes readings, in the ticks in which it is on.
+    /// Tells whether it changes readings, in the ticks in which it is on.
     pub const fn changes_readings(&self) -> bool {
         let is_elsewhere = matches!(self.kind, Kind::Replayed | Kind::Upset | Kind::PowerCut);
         !self.kind.is_counted() && !is_elsewhere && self.kind.harm().is_none()
     }
 
-    /// Whether the front end says anything at all then.
+    /// Tells whether the front end says anything at all then.
     pub const fn is_silent(&self, t: u32) -> bool {
         self.is_on(t) && matches!(self.kind, Kind::LateOnce | Kind::Silent)
     }
@@ -213,8 +213,8 @@ impl Fault {
         };
     }
 
-    /// The setting that is being written when the supply fails, and after how many bytes of it.
-    pub fn interrupted(&self) -> (Setting, u32) {
+    /// The command that new settings have when the supply fails, and a number that says when.
+    pub fn interrupted(&self) -> (Command, u32) {
         let ticks = self.bits / 64;
         let command = if self.bits & 1 == 0 {
             let guard = GuardConfig { missing_limit_ticks: ticks, unreachable_limit_ticks: 100, stuck_limit_ticks: 0 };
@@ -223,7 +223,7 @@ impl Fault {
             let drive = Drive::Temperature { target_c: -20.0 - self.size as f32 };
             Command::Drive { element: self.element as u8, drive }
         };
-        (Setting::Command(command), ticks % 60)
+        (command, ticks)
     }
 
     /// Bytes that come over the link by it; none if it is not one of those.

@@ -12,11 +12,11 @@ use dr_core::sensor::Reading;
 use host_sim::experiment::Experiment;
 use host_sim::instrument::TickReport;
 
-/// What the head's file says of an element.
+/// Element as the head's file states it.
 #[derive(Debug, Clone, Copy)]
 struct Element {
     resistance_0c_ohm: f64,
-    /// Of a linear resistor; none for one by IEC 60751.
+    /// Coefficient of a linear resistor; none for one by IEC 60751.
     coefficient_per_c: Option<f64>,
     current_low_a: f64,
     current_high_a: f64,
@@ -35,7 +35,8 @@ pub struct Judge {
     age_ticks: Vec<u32>,
 }
 
-/// How near a temperature has to be told, K: f32 at the resistances and codes of these heads.
+/// Accuracy with which a temperature has to be told, K: f32 at the resistances and codes of these
+/// heads.
 const TOLD_WITHIN_K: f64 = 1e-3;
 
 impl Element {

@@ -15,12 +15,12 @@ use wire::Provocation;
 /// First address of the RAM.
 const RAM: u64 = 0x2000_0000;
 
-/// How deep the stack is while the firmware waits for its host: the frames of its start and of
-/// `idle` (760 bytes, of which few are in use) on the fast link, and on the slow one that of the
-/// interrupt that brings the flip.
+/// Depth of the stack while the firmware waits for its host: the frames of its start and of `idle`
+/// (760 bytes, of which few are in use) on the fast link, and on the slow one that of the interrupt
+/// that brings the flip.
 const LIVE_STACK_BYTES: u64 = 1024;
 
-/// What in its statics' names says that only the virtual board has them: its ways to the host,
+/// Parts of its statics' names that say that only the virtual board has them: its ways to the host,
 /// which simulate, and pins and dead man's handle, which are no memory on a board.
 const SIMULATION: [&str; 6] =
     ["virtual_board", "virtual_log", "_idler", "idle_bench", "bench_bench", "host_transmitter"];
@@ -54,7 +54,7 @@ impl Region {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Flip {
     pub harm: Provocation,
-    /// What it hits: the static's name as the image has it, and the byte in it.
+    /// Place that it hits: the static's name as the image has it, and the byte in it.
     pub what: String,
 }
 
@@ -69,15 +69,15 @@ struct Static {
 #[derive(Debug)]
 pub struct Memory {
     sections: Vec<Range<u64>>,
-    /// Those that any board has.
+    /// Statics that any board has.
     statics: Vec<Static>,
-    /// Those that no other has; they are left alone.
+    /// Statics that no other board has; they are left alone.
     simulation: Vec<Static>,
     stack_top: u64,
 }
 
 impl Memory {
-    /// As the image of the virtual board says.
+    /// Reads the image of the virtual board.
     ///
     /// # Panics
     /// If it is not one.
@@ -126,7 +126,7 @@ impl Memory {
         match region {
             Region::Statics => {
                 let all: u64 = self.sections.iter().map(|section| section.end - section.start).sum();
-                // Of the sections one after the other.
+                // Takes the sections one after the other.
                 self.sections.iter().flat_map(Clone::clone).nth(below(all) as usize).unwrap_or(RAM)
             }
             Region::EachStatic => {

@@ -1,12 +1,10 @@
-//! What faults happen to.
+//! Targets of faults.
 
 use dr_core::control::Heaters;
 use host_sim::instrument::emulated::Emulated;
 use host_sim::instrument::{InstrumentError, LockStepController};
-use host_sim::settings::read_all;
-use std::collections::BTreeMap;
-use wire::settings::{KeyNumber, SettingValue};
-use wire::{LinkCounters, Provocation, SettingsRequest};
+use host_sim::settings::{Settings, read_all, write_requests};
+use wire::{LinkCounters, Provocation};
 
 /// A running instrument to which things can happen.
 pub trait Subject: LockStepController {
@@ -44,19 +42,14 @@ pub trait Subject: LockStepController {
     ///
     /// # Errors
     /// If it cannot be reached, or keeps none.
-    fn kept(&mut self) -> Result<BTreeMap<KeyNumber, SettingValue>, InstrumentError>;
+    fn kept(&mut self) -> Result<Settings, InstrumentError>;
 
-    /// Stores a setting while the supply fails after so many bytes. Whether it has failed: all may
+    /// Stores settings while the supply fails after so many bytes. Whether it has failed: all may
     /// have been written by then.
     ///
     /// # Errors
     /// If it cannot be reached, or keeps none.
-    fn store_with_a_cut(
-        &mut self,
-        key: KeyNumber,
-        value: SettingValue,
-        after_bytes: u32,
-    ) -> Result<bool, InstrumentError>;
+    fn store_with_a_cut(&mut self, settings: &Settings, after_bytes: u32) -> Result<bool, InstrumentError>;
 }
 
 impl Subject for Emulated {
@@ -85,18 +78,12 @@ impl Subject for Emulated {
         Ok(false)
     }
 
-    fn kept(&mut self) -> Result<BTreeMap<KeyNumber, SettingValue>, InstrumentError> {
-        let (kept, is_whole) = read_all(self)?;
-        let all = kept.into_iter().map(|kept| (kept.number, kept.value)).collect();
-        is_whole.then_some(all).ok_or_else(|| InstrumentError::Protocol("it has lost some of what it kept".to_owned()))
+    fn kept(&mut self) -> Result<Settings, InstrumentError> {
+        read_all(self)?.settings.map_err(InstrumentError::Settings)
     }
 
-    fn store_with_a_cut(
-        &mut self,
-        key: KeyNumber,
-        value: SettingValue,
-        after_bytes: u32,
-    ) -> Result<bool, InstrumentError> {
-        self.ask_with_a_cut(after_bytes, &SettingsRequest::Store { key, value })
+    fn store_with_a_cut(&mut self, settings: &Settings, after_bytes: u32) -> Result<bool, InstrumentError> {
+        let requests = write_requests(settings).map_err(|error| InstrumentError::Protocol(error.to_string()))?;
+        self.ask_with_a_cut(after_bytes, &requests)
     }
 }

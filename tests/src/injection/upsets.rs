@@ -21,14 +21,14 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
 
-/// How long a board is watched after a flip, before it is told to stop.
+/// Ticks for which a board is watched after a flip, before it is told to stop.
 const WATCHED_TICKS: u32 = 120;
 
 /// A board that has not answered for so long does not answer any more. One that does takes less
 /// than a millisecond.
 const TIMEOUT: Duration = Duration::from_millis(1500);
 
-/// What came of a flip. Of two the later one counts.
+/// End of a flip. Of two the later one counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum End {
     /// It ran on, said what its twin said, and stopped when it was told to.
@@ -68,7 +68,7 @@ pub struct Upsets {
 }
 
 impl Upsets {
-    /// How many ended so.
+    /// Number that ended so.
     pub fn count(&self, which: impl Fn(End) -> bool) -> u32 {
         self.ends.iter().filter(|(end, _)| which(**end)).map(|(_, count)| count).sum()
     }
@@ -83,7 +83,7 @@ pub fn warm(experiment: &Experiment, ticks: u32) -> Sensor {
         let told = body.exchange(&readings(&sensor)).expect("a healthy instrument runs");
         sensor.advance(told.sample.heaters.0);
     }
-    // As a board that has just been started expects it.
+    // A board that has just been started expects this.
     sensor.advance(0);
     sensor
 }
@@ -139,7 +139,7 @@ struct Trial {
     error: String,
 }
 
-/// What a tick brought.
+/// Message of a tick.
 enum Told {
     Report(Box<TickReport>),
     /// Nothing that can be understood.
@@ -203,7 +203,7 @@ impl Trial {
         }
     }
 
-    /// What comes of a flip, and after how many ticks all heaters were low.
+    /// Outcome of a flip, and after how many ticks all heaters were low.
     fn suffer(&mut self, flip: &Flip) -> (End, u32) {
         let what = &flip.what;
         if self.board.provoke(flip.harm).is_err() {
@@ -250,7 +250,7 @@ impl Trial {
         (end, safe_after)
     }
 
-    /// What differs.
+    /// Compares the boards.
     fn compare(&mut self, t: u32, told: &TickReport, twins: &TickReport) -> End {
         if told == twins {
             return End::AsBefore;

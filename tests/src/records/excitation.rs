@@ -1,4 +1,4 @@
-//! What drives a simulated experiment: inputs of two or more levels, held for whole rows.
+//! Inputs of a simulated experiment: inputs of two or more levels, held for whole rows.
 
 use dr_core::signal::Prbs;
 use rand_distr::{Distribution as _, Uniform};
@@ -89,7 +89,7 @@ mod tests {
         assert!(input.iter().all(|&u| u == 1.0 || u == 5.0));
         let bits: Vec<f64> = input.chunks(3).map(|held| (held[0] - 3.0) / 2.0).collect();
         assert!(input.chunks(3).all(|held| held.iter().all(|u| *u == held[0])));
-        // Of 10 000 fair and independent bits mean and correlations have standard deviation 0.01;
+        // Mean and correlations of 10 000 fair and independent bits have standard deviation 0.01;
         // five of them.
         assert!(bits.iter().sum::<f64>().abs() / 1e4 < 0.05);
         for lag in 1..30 {

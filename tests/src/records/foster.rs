@@ -76,7 +76,7 @@ impl Default for Foster {
     }
 }
 
-/// What was measured, and the truth.
+/// Measured record, and the truth.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FosterRecord {
     pub sample_period_s: f64,

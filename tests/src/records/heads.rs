@@ -41,7 +41,7 @@ pub fn network(head_to_gas_w_per_k: &[f64]) -> Network {
     network
 }
 
-/// Which heads are driven.
+/// Heads that are driven.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Drive {
     /// All at once, each by bits of its own.
@@ -137,7 +137,7 @@ impl Heads {
     }
 }
 
-/// What was measured, and the truth; outer vectors by head unless said otherwise.
+/// Measured record, and the truth; outer vectors by head unless said otherwise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeadsRecord {
     pub sample_period_s: f64,

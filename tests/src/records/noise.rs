@@ -1,4 +1,4 @@
-//! What a measurement adds: Gaussian noise, white or coloured, and the steps of a converter.
+//! Additions of a measurement: Gaussian noise, white or coloured, and the steps of a converter.
 
 use diffusive::random::StandardNormal;
 use rand_distr::Distribution as _;

@@ -47,7 +47,7 @@ pub struct Gas {
     /// Amplitude of a sine around the mean; 0: constant.
     pub swing_k: f64,
     pub swing_period_s: f64,
-    /// Whether the rod too stands in the swinging gas, or in a room that stays at `mean_c`.
+    /// The rod too stands in the swinging gas, or in a room that stays at `mean_c`.
     pub around_the_rod: bool,
 }
 
@@ -98,7 +98,7 @@ impl Default for Rod {
     }
 }
 
-/// What was measured, and the truth.
+/// Measured record, and the truth.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RodRecord {
     pub sample_period_s: f64,

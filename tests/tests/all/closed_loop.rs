@@ -1,5 +1,5 @@
-//! What a loop is predicted to take, against a simulated loop that shares no code with the
-//! prediction, at 100 Hz in winds that switch.
+//! Predicted powers of a loop, against a simulated loop that shares no code with the prediction, at
+//! 100 Hz in winds that switch.
 
 use anemo_tests::loops::{LABELS, LEVELS_W, Truth, closed, scenario, symbol_model};
 use anemo_tests::records::excitation::{runs, uniform};
@@ -45,7 +45,7 @@ fn a_true_model_predicts_to_a_percent_and_without_bias() {
     for seed in [1, 2, 3] {
         let compared = compared(&symbol_model(), seed);
         assert!(compared.count > 2000);
-        // What is left is the ripple of the bits that the decimator lets through.
+        // The rest is the ripple of the bits that the decimator lets through.
         assert!(compared.rms_w < 0.01 * compared.mean_w, "{compared:?}");
         assert!(compared.bias_w.abs() < 0.001 * compared.mean_w, "{compared:?}");
     }

@@ -1,4 +1,4 @@
-//! What `anemo analyse`, `predict` and `design` say of wishes, models and recordings that do not
+//! Answers of `anemo analyse`, `predict` and `design` of wishes, models and recordings that do not
 //! fit, by their commands.
 
 use std::fmt::Write as _;
@@ -97,7 +97,7 @@ fn a_recording_counts_where_it_has_arrived_too() {
     late[4000..4300].iter_mut().for_each(|row| *row = (0.0, -45.0));
     write(&desk, "late.csv", &late, NEVER);
     let compared = json(&desk, &["predict", "model.json", "e.toml", "--against", "late.csv", "--json"]);
-    // What it takes 10 s later differs a little; counted, the way would make a third.
+    // Its power 10 s later differs a little; counted, the way would make a third.
     assert!(compared["rms_w"].as_f64().unwrap() < 0.1 * compared["mean_w"].as_f64().unwrap(), "{compared}");
     assert!(compared["elements"][0]["n"].as_u64().unwrap() + 10 < n, "{compared}");
     let notes = compared["notes"].to_string();

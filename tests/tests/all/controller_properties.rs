@@ -31,7 +31,7 @@ fn lives() -> ProptestConfig {
     }
 }
 
-/// What happens to a controller.
+/// Step of a controller's life.
 #[derive(Debug, Clone)]
 enum Step {
     Tell(Command),
@@ -41,7 +41,7 @@ enum Step {
     Upset(usize, usize, u32),
 }
 
-/// What an element reads.
+/// Reading of an element.
 #[derive(Debug, Clone, Copy)]
 enum Read {
     /// So far between its limits of resistance.
@@ -214,7 +214,7 @@ fn step() -> impl Strategy<Value = Step> {
     ]
 }
 
-/// As many ticks as a self-test looks at, at rest.
+/// The number of ticks that a self-test looks at, at rest.
 fn quiet() -> impl Strategy<Value = Step> {
     (190..255_u8, 0.05..0.75_f64).prop_map(|(times, share)| Step::Tick(times, [Read::Between(share); ELEMENTS]))
 }
@@ -237,7 +237,7 @@ fn harmed() -> impl Strategy<Value = Step> {
     ]
 }
 
-/// What came of a life.
+/// Account of a life.
 #[derive(Debug, Default, Clone, Copy)]
 struct Account {
     taken: u32,

@@ -1,4 +1,4 @@
-//! What ends a firmware's life, and what the next one begins with: heaters low, tripped for the
+//! Ends of a firmware's life, and what the next one begins with: heaters low, tripped for the
 //! cause, until it is acknowledged.
 //!
 //! The emulated board is really reset: its RAM stays, as on a chip, and it starts anew from the

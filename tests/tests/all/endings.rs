@@ -29,13 +29,13 @@ enum Ending {
 
 const ALL: [Ending; 5] = [Ending::Kill, Ending::Terminate, Ending::Unplug, Ending::Reset, Ending::FullDisk];
 
-/// What an ending cost.
+/// Cost of an ending.
 #[derive(Debug, Default)]
 struct Cost {
     endings: u32,
     rows: u64,
     lost: u64,
-    /// Of one ending, s of the board's time as it passed for the host.
+    /// Longest time of one ending, s of the board's time as it passed for the host.
     longest_s: f64,
 }
 
@@ -60,7 +60,7 @@ fn end(ending: Ending, is_log: bool, period_s: &str, random: &mut ChaCha8Rng) ->
     let mut run = desk.command(&[command, "e.toml", "--on", &on, "-o", "r", "--segment", "10s", "--json"], &[]);
     let run = run.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
     let deadline = Instant::now() + Duration::from_secs(60);
-    // How many had gone out when.
+    // Number that had gone out when.
     let mut history = Vec::new();
     while board.sent() < ticks && Instant::now() < deadline {
         history.push((Instant::now(), board.sent()));
@@ -85,13 +85,13 @@ fn end(ending: Ending, is_log: bool, period_s: &str, random: &mut ChaCha8Rng) ->
         assert!(desk.anemo(&["recover", "r"], &[]).status.success());
     }
     let recording = Recording::read(&desk.path().join("r")).unwrap();
-    // Of the run, and from its beginning: no row twice, and none missing.
+    // The rows are of the run, and from its beginning: no row twice, and none missing.
     let states = recording.words("state").unwrap();
     let rows = states.iter().take_while(|state| *state == "running").count() as u64;
     let running = recording.clone().between(0.0, (rows - 1) as f64 * period_s.parse::<f64>().unwrap());
     assert!(running.unwrap().sample_period_s().is_ok(), "{ending:?}");
     if ending != Ending::Kill {
-        // What is still on the cable when a program ends has not been received.
+        // A row that is still on the cable when a program ends has not been received.
         let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
         let received = summary[if is_log { "rows" } else { "ticks" }].as_u64().unwrap();
         return (rows, received - recording.len() as u64, 0.0);
@@ -120,7 +120,7 @@ fn fill_disk(random: &mut ChaCha8Rng) -> Option<u64> {
     let recording = Recording::read(&desk.path().join("out")).unwrap();
     let time_s = recording.time_s().unwrap();
     let whole = time_s.iter().enumerate().take_while(|(n, time_s)| (**time_s - *n as f64 / 100.0).abs() < 1e-9).count();
-    // What is not there was left out of a full disk, and nothing before.
+    // A missing row was left out of a full disk, and nothing before.
     let last_line = said.lines().last().unwrap();
     let left_out: usize = last_line.split(' ').nth(1).and_then(|count| count.parse().ok()).unwrap_or(0);
     assert_eq!(recording.len() + left_out, 100 * for_s.parse::<usize>().unwrap(), "{said}");

@@ -1,5 +1,4 @@
-//! How well the loop does: figures of `docs/reference/numbers.md`, each printed, each against its
-//! bar.
+//! Quality of the loop: figures of `docs/reference/numbers.md`, each printed, each against its bar.
 
 use anemo_tests::{changed, in_process, start};
 use dr_core::sensor::Level;
@@ -33,7 +32,7 @@ fn steady_wind_is_held_and_its_heat_measured() {
         for i in 0..SECTORS {
             let output = decimator.push(&mut states[i], sample.power_w[i]);
             if settled {
-                // What really is so, not what the instrument says of it.
+                // The real state, not what the instrument says of it.
                 element_c[i] += truth.element_temperature_c[i];
                 silver_c[i] += truth.surface_temperature_c[i];
                 loss_w[i] += truth.surface_loss_w(i);

@@ -1,7 +1,7 @@
 //! The short run of the fuzz targets: each is given its corpus, a fixed number of damaged copies of
 //! it, the same every time, and what was once found.
 //!
-//! What holds is written in [`anemo_tests::fuzz`]; the long run is `cargo xtask fuzz`. An input at
+//! Invariants are written in [`anemo_tests::fuzz`]; the long run is `cargo xtask fuzz`. An input at
 //! which something does not hold is written to the temporary folder and named, to be repeated by
 //! `ANEMO_FUZZ_INPUT=FILE cargo test --release -p anemo-tests --test all fuzz::`.
 
@@ -35,7 +35,7 @@ fn corpus(target: &str) -> Vec<(PathBuf, Vec<u8>)> {
     paths.into_iter().map(|path| (path.clone(), std::fs::read(path).expect("a kept input can be read"))).collect()
 }
 
-/// Those that libFuzzer has found.
+/// Inputs that libFuzzer has found.
 fn found(target: &str) -> Vec<(PathBuf, Vec<u8>)> {
     let path = file("tools/fuzz/found").join(format!("{target}.tar.gz"));
     let archive = File::open(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
@@ -100,7 +100,7 @@ macro_rules! short_runs {
             short_run(stringify!($target));
         })*
 
-        /// What is run here, what libFuzzer runs and what there is are the same.
+        /// Targets that run here, targets of libFuzzer and existing ones are the same.
         #[test]
         fn every_target_has_its_program_its_corpus_and_its_test() {
             let all: BTreeSet<String> = TARGETS.iter().map(|target| target.name.to_owned()).collect();

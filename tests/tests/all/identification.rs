@@ -164,7 +164,7 @@ fn heads_that_warm_each_other_are_told_apart_and_superpose() {
 #[test]
 fn models_of_one_source_each_add_up_to_all_at_once() {
     let heads = Heads { winds_w_per_k: vec![vec![1e-3; 2]], ..Heads::default() };
-    // What is heated before is nothing, and known to be.
+    // Nothing is heated before, and this is known.
     let given = Constraints {
         order: Some(14),
         edges_rad_s: Some((3e-3, 30.0)),

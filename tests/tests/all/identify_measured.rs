@@ -69,8 +69,7 @@ fn plain(path: &Path) -> Model {
     identified(path, &IdentifyOptions { constraints: given, signs, drift, ..IdentifyOptions::default() })
 }
 
-/// What was reached on the records for development: 76.6 % in the mean, of 60 parts that can be
-/// identified.
+/// Results on the records for development: 76.6 % in the mean, of 60 parts that can be identified.
 #[test]
 fn beginnings_of_measured_records_predict_the_rest() {
     let Some(folder) = shared_data("more") else { return };

@@ -16,7 +16,7 @@ use dr_core::model::mesh;
 /// Standard deviations on either side that hold 95 % of a normal distribution.
 const Z: f64 = 1.959_964;
 
-/// How often intervals held the truth.
+/// Number of intervals that held the truth.
 #[derive(Debug, Default)]
 struct Coverage {
     records: usize,

@@ -107,7 +107,7 @@ fn a_log_with_listeners_loses_nothing_and_does_not_grow() {
     assert!((kept.sample_period_s().unwrap() - 1.0 / RATE_HZ as f64).abs() < 1e-9);
     let last_s = kept.time_s().unwrap().last().copied().unwrap();
     assert!((last_s - (seconds as f64 - 1.0 / RATE_HZ as f64)).abs() < 1e-6, "{last_s}");
-    // What is kept is no less than was asked for, and at most a segment and the journal more.
+    // The kept rows are no less than was asked for, and at most a segment and the journal more.
     let kept_s = kept.len() as u64 / RATE_HZ;
     assert!((keep_s..=keep_s + 2 * segment_s).contains(&kept_s), "{kept_s} s of {keep_s} s");
     let means = Recording::read(&desk.path().join("r/every-1s")).unwrap();

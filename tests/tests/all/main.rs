@@ -1,4 +1,4 @@
-//! What crosses crates, one module a subject: `cargo test --release -p anemo-tests --test all
+//! Tests that cross crates, one module a subject: `cargo test --release -p anemo-tests --test all
 //! MODULE::`.
 
 mod card_wind;
@@ -16,6 +16,7 @@ mod identification;
 mod identify_cole_cole;
 mod identify_measured;
 mod identify_pairs;
+mod identify_population;
 mod identify_refusals;
 mod identify_uncertainty;
 mod injection;

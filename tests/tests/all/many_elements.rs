@@ -86,7 +86,7 @@ fn side_by_side(elements: usize, observe: bool, ticks: u32, way: Way) -> u64 {
         let readings = bodies.read(heaters, tick);
         let told = host.body_mut().exchange(&readings).unwrap();
         assert_eq!(told, board.body_mut().exchange(&readings).unwrap(), "{elements} elements, tick {tick}");
-        assert_eq!(host.body().digest(), board.body().digest(), "{elements} elements: states differ at tick {tick}");
+        assert_eq!(host.body().digests(), board.body().digests(), "{elements} elements: states differ at tick {tick}");
         assert_eq!((told.sample.tick, told.sample.state), (tick, RunState::Running));
         assert_eq!((told.sample.temperature_c.len(), told.sample.power_w.len()), (elements, elements));
         assert_eq!(told.equivalent_power_w.map(|list| list.len()), observe.then_some(elements));
@@ -99,7 +99,7 @@ fn side_by_side(elements: usize, observe: bool, ticks: u32, way: Way) -> u64 {
     assert_eq!(ever_high, ((1 << elements) - 1) & !passive);
     let account = InstrumentPort::finish(Box::new(board)).unwrap();
     assert_eq!((account.link.lost, account.link.damaged, account.link.repeated), (0, 0, 0));
-    host.body().digest()
+    host.body().digests().control.value()
 }
 
 #[test]
@@ -151,7 +151,7 @@ fn room_for_more_elements_changes_no_digest() {
         let readings = bodies.read(heaters, tick);
         let told = narrow.body_mut().exchange(&readings).unwrap();
         assert_eq!(told, wide.body_mut().exchange(&readings).unwrap());
-        assert_eq!(narrow.body().digest(), wide.body().digest());
+        assert_eq!(narrow.body().digests(), wide.body().digests());
         heaters = told.sample.heaters;
         bodies.live(&told.sample.power_w);
     }
@@ -170,7 +170,7 @@ fn the_board_tells_margins_of_as_many_elements_as_it_has() {
     // Statuses come by the emulated clock, which goes on while ticks are exchanged.
     let margins = (0..200_000).find_map(|tick| {
         heaters = board.body_mut().exchange(&bodies.read(heaters, tick)).unwrap().sample.heaters;
-        board.body().status().map(|status| status.margins.clone()).filter(|margins| !margins.is_empty())
+        board.body().status().map(|status| status.control.margins.clone()).filter(|margins| !margins.is_empty())
     });
     let known: Vec<bool> = margins.unwrap().iter().map(Option::is_some).collect();
     // Drives 0 and 3 of 6 hold a temperature.

@@ -20,14 +20,14 @@ const LOSS_S: f64 = 2.0;
 const CALLS: &str = "trace=openat,write,pwrite64,lseek,ftruncate,fcntl,close,mkdir,rename,renameat,renameat2,unlink,\
     unlinkat,rmdir,fsync,fdatasync";
 
-/// What changes a file, once the disk has it.
+/// Change of a file, once the disk has it.
 #[derive(Debug)]
 enum Change {
     Write { offset: usize, bytes: Vec<u8> },
     Truncate(usize),
 }
 
-/// What changes the names in a folder.
+/// Change of the names in a folder.
 #[derive(Debug, Clone)]
 enum Naming {
     File(String, usize),
@@ -55,7 +55,7 @@ impl<T> History<T> {
         self.synced.push((at_s, self.asked.len()));
     }
 
-    /// What a cut leaves: all that was synced, and a random beginning of the rest.
+    /// Rest after a cut: all that was synced, and a random beginning of the rest.
     fn left(&self, cut_s: f64, random: &mut ChaCha8Rng) -> &[(f64, T)] {
         let asked = self.asked.partition_point(|(at_s, _)| *at_s <= cut_s);
         let synced = self.synced.iter().rev().find(|(at_s, _)| *at_s <= cut_s).map_or(0, |(_, count)| *count);
@@ -69,11 +69,11 @@ struct Trace {
     files: Vec<History<Change>>,
     /// By the folder's path.
     folders: BTreeMap<String, History<Naming>>,
-    /// Of every call.
+    /// Times of every call.
     times_s: Vec<f64>,
 }
 
-/// What a descriptor stands for; copies of it share the place.
+/// File or folder of a descriptor; copies of it share the place.
 #[derive(Debug, Clone, Copy)]
 enum Opened {
     /// Place in [`Reader::places`].
@@ -209,7 +209,7 @@ impl Reader<'_> {
     }
 }
 
-/// What a log has asked, by `strace -f -ttt -xx`.
+/// Requests of a log, by `strace -f -ttt -xx`.
 fn read(text: &str, root: &str) -> Trace {
     let mut reader = Reader {
         root,
@@ -228,7 +228,7 @@ fn read(text: &str, root: &str) -> Trace {
             unfinished.insert(thread, begin.to_owned());
             continue;
         }
-        // What was under way counts from its end.
+        // A running call counts from its end.
         let whole = match rest.strip_prefix("<... ").and_then(|rest| rest.split_once(" resumed>")) {
             Some((_, end)) => unfinished.remove(thread).unwrap_or_default() + end,
             None => rest.to_owned(),

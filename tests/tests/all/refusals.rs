@@ -201,7 +201,7 @@ fn crashing_firmware() -> Vec<u8> {
     image.extend(halves(&[2, 40]));
     image.extend(words(&[1, FLASH + 16 + 1, 52, 0, 0x0500_0200]));
     image.extend(halves(&[52, 32, 1, 40, 0, 0]));
-    // What to load, from where in the file, to where.
+    // Segments: what to load, from where in the file, to where.
     image.extend(words(&[1, HEADERS, FLASH, FLASH, length, length, 5, 4]));
     image.extend(words(&code));
     image

@@ -12,10 +12,9 @@ use host_sim::instrument::in_process::InProcess;
 use host_sim::instrument::{InstrumentPort, LockStep, LockStepController, setup};
 use host_sim::run;
 use host_sim::self_test;
-use host_sim::settings;
+use host_sim::settings::{self, Settings};
 use serde_json::Value;
 use std::path::Path;
-use wire::Setting;
 use wire::settings::TestRecord;
 
 const DATE_S: u32 = 1_800_000_000;
@@ -44,13 +43,8 @@ fn board(flash: Option<&Path>) -> Emulated {
 }
 
 fn kept(board: &mut Emulated) -> Vec<TestRecord> {
-    let (kept, whole) = settings::read_all(board).unwrap();
-    assert!(whole);
-    let record = |kept: settings::KeptSetting| match kept.setting.unwrap() {
-        Setting::Tested(record) => Some(record),
-        _ => None,
-    };
-    kept.into_iter().filter_map(record).collect()
+    let stored = settings::read_all(board).unwrap();
+    stored.test.into_iter().chain(stored.test_at_start).collect()
 }
 
 #[test]
@@ -69,7 +63,7 @@ fn host_and_board_find_the_same_bits_and_the_board_keeps_them() {
     let digest = |instrument: &mut dyn InstrumentPort| {
         run::start(&experiment, instrument).unwrap();
         (0..200).for_each(|_| drop(instrument.observe().unwrap()));
-        instrument.digest()
+        instrument.digests()
     };
     let folder = tempfile::tempdir().unwrap();
     let flash = folder.path().join("board.flash");
@@ -80,13 +74,11 @@ fn host_and_board_find_the_same_bits_and_the_board_keeps_them() {
 
     // The next start of the board is another life, with the same flash.
     let mut again = board(Some(&flash));
-    let records = kept(&mut again);
-    assert_eq!(records.len(), 6);
-    for (record, finding) in records.iter().zip(&expected) {
-        assert_eq!((record.unix_s, record.starts), (Some(DATE_S), 1));
-        assert_eq!(record.firmware, LockStepController::identity(&again).firmware);
-        assert_eq!(record.finding, *finding);
-    }
+    let tests = kept(&mut again);
+    assert_eq!(tests.len(), 1);
+    assert_eq!((tests[0].unix_s, tests[0].starts), (Some(DATE_S), 1));
+    assert_eq!(tests[0].firmware, LockStepController::identity(&again).firmware);
+    assert_eq!(tests[0].findings[..], expected[..]);
 }
 
 #[test]
@@ -95,10 +87,10 @@ fn a_board_that_knows_its_head_tests_itself_at_each_start_without_heat() {
     let flash = folder.path().join("board.flash");
     let experiment = experiment("gusts.toml");
     let mut first = board(Some(&flash));
-    let mut values = std::collections::BTreeMap::new();
+    let mut values = Settings::default();
     let head = Head::read(&anemo_tests::file("heads/sphere-b.toml")).unwrap();
-    settings::of_head(&head, experiment.sample_period_s, &mut values).unwrap();
-    settings::change(&mut first, &[], &values).unwrap();
+    values.set_head(&head, experiment.sample_period_s).unwrap();
+    settings::write(&mut first, &values).unwrap();
     Box::new(first).finish().unwrap();
 
     let mut instrument = LockStep::new(board(Some(&flash)), sensor(&experiment));
@@ -110,9 +102,9 @@ fn a_board_that_knows_its_head_tests_itself_at_each_start_without_heat() {
     }
     assert_eq!(findings.len(), 6);
     assert!(findings.iter().all(|finding| finding.faults.is_none() && finding.response.is_none()), "{findings:?}");
-    let records = kept(instrument.body_mut());
-    assert_eq!(records.iter().map(|record| record.finding).collect::<Vec<_>>(), findings);
-    assert!(records.iter().all(|record| record.unix_s.is_none() && record.starts == 1));
+    let tests = kept(instrument.body_mut());
+    assert_eq!((tests.len(), tests[0].unix_s, tests[0].starts), (1, None, 1));
+    assert_eq!(tests[0].findings[..], findings[..]);
 }
 
 #[test]

@@ -67,7 +67,7 @@ fn ends_early(quirks: Quirks) -> (String, f64, Recording) {
     (why, seconds, recording)
 }
 
-/// What is said where nobody knows whether the heaters are low.
+/// Sentence where nobody knows whether the heaters are low.
 const NOT_STOPPED: &str = "; its `Stop` was not confirmed, so heaters may still be on: switch its supply off";
 
 /// The same experiment on the simulated instrument.
@@ -182,7 +182,7 @@ fn a_trip_is_recorded_and_kept_until_it_is_acknowledged() {
     assert_eq!(summary["trips"][0]["element"], "sector3");
     assert_eq!(summary["trips"][0]["time_s"], 1.01);
 
-    // As it is, acknowledged while the resistor is still open, and acknowledged when that has been
+    // Plain, acknowledged while the resistor is still open, and acknowledged when that has been
     // mended.
     for arguments in [run.as_slice(), &again] {
         let (code, sentence) = desk.refused(arguments, &[]);
@@ -224,7 +224,8 @@ fn an_interrupted_run_stops_the_heaters_and_keeps_what_it_has() {
     }
 }
 
-/// What had arrived half a second before is there, whether or not anything could be tidied up.
+/// Rows that had arrived half a second before are there, whether or not anything could be tidied
+/// up.
 #[test]
 fn a_killed_run_leaves_what_it_has_recorded() {
     for (name, journal) in [("r.parquet", "r.parquet.journal"), ("folder", "folder/recording.journal")] {
@@ -279,7 +280,7 @@ fn a_board_that_falls_silent_in_a_run_ends_it() {
         sentence.starts_with("the board has not answered for 3.0 s") && sentence.ends_with(NOT_STOPPED),
         "{sentence}"
     );
-    // What the line still held went with the cable.
+    // Bytes on the line went with the cable.
     assert!((50..=150).contains(&recording.len()), "{}", recording.len());
     // Three more seconds go into stopping it.
     assert!(seconds < 9.0, "{seconds} s");

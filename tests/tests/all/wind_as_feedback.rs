@@ -55,7 +55,7 @@ fn a_beginning_that_is_unknown_costs_little_and_with_an_unknown_gas_is_warned_of
         let unknown = found(&record, &options(GasGiven::Unknown));
         let errors = errors(&record, &unknown);
         println!("seed {seed}: {ratio:.4} of the noise; gas unknown: {errors:?}");
-        // What the warning says.
+        // Words of the warning.
         assert!(worst(&errors) < 0.1, "{errors:?}");
         assert!(unknown.warnings.iter().any(|warning| warning.contains("gas temperature was estimated")));
     }

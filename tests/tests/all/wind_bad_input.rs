@@ -1,5 +1,5 @@
-//! What is wrong with the input stands in every answer that it touches, and in the summaries of
-//! `anemo run` and `anemo wind`.
+//! A fault of the input stands in every answer that it touches, and in the summaries of `anemo run`
+//! and `anemo wind`.
 
 use anemo_tests::Desk;
 use anemo_tests::calibrated::{blown, blown_with, uncalibrated};
@@ -37,7 +37,7 @@ impl Told {
         rows.iter().map(|&row| values[row]).sum::<f64>() / rows.len() as f64
     }
 
-    /// Whether every answer between two times has all of these doubts, and there is one.
+    /// Tells whether every answer between two times has all of these doubts, and there is one.
     fn all_have(&self, from_s: f64, to_s: f64, quality_flags: &[QualityFlags]) -> bool {
         let told = self.quality_flags(from_s, to_s);
         !told.is_empty() && told.iter().all(|of| quality_flags.iter().all(|doubt| of.has(*doubt)))
@@ -49,7 +49,7 @@ impl Told {
     }
 }
 
-/// What a command prints; a run may have tripped.
+/// JSON that a command prints; a run may have tripped.
 fn json(desk: &Desk, arguments: &[&str]) -> Value {
     let output = desk.anemo(arguments, &[]);
     assert!(matches!(output.status.code(), Some(0 | 3)), "{}", String::from_utf8_lossy(&output.stderr));

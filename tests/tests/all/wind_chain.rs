@@ -58,7 +58,7 @@ fn sphere_b_tells_winds_that_it_has_never_seen() {
     assert_eq!((errors.failed, errors.no_direction), (0, 0));
     assert!(errors.count > 120 * 200, "{}", errors.count);
     assert!(direction_deg <= 1.5 && speed <= 0.015);
-    // What the model of the surface is for.
+    // The model of the surface exists for this.
     assert!(errors.linear_deg.rms().unwrap() > 2.0 * direction_deg);
 
     // A support that is 20 K colder or warmer than in the identification and in the tunnel; the

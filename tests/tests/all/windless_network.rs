@@ -76,7 +76,7 @@ fn from_still_records_to_the_conductance_of_a_wind() {
     let json: serde_json::Value = serde_json::from_str(&command(folder, &arguments).unwrap()).unwrap();
     assert_eq!(json["supported"], true, "{}", json["warnings"]);
     for element in &json["elements"].as_array().unwrap()[..2] {
-        // As the sensor is made: film, ceramic of the package, silver.
+        // Layers of the sensor: film, ceramic of the package, silver.
         let of = |layer: usize, key: &str| element["layers"][layer][key].as_f64().unwrap();
         let found = [0, 1].map(|layer| (of(layer, "capacitance_j_per_k"), of(layer, "resistance_k_per_w")));
         println!("{}: {found:?}", element["name"]);
@@ -154,7 +154,7 @@ fn from_still_records_to_the_conductance_of_a_wind() {
         let still_w = mean(&q_w[40..120], i);
         let (early, late) = (mean(&g_w_k[130..150], i), mean(&g_w_k[500..600], i));
         println!("{element}: still {still_w:.2e} W, ΔG {early:.4e} W/K early and {late:.4e} late, noise {sd_w:.1e} W");
-        // Of 30 mW, and of 3 K by 659 K/W.
+        // Rise by 30 mW, and 3 K by 659 K/W.
         assert!(still_w.abs() < 1e-4, "{still_w}");
         // The sphere goes on cooling for minutes; what the wind takes by the kelvin is there at
         // once, and stays.

@@ -8,34 +8,34 @@ use std::fmt;
 /// A rule of a manual that was broken: RM0090 for the processor, SBAS561 for the converter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BrokenRule {
-    /// Of the clock tree.
+    /// Complaint of the clock tree.
     #[error("a peripheral answers only while its clock is enabled")]
     ClockOff,
-    /// Of the clock tree.
+    /// Complaint of the clock tree.
     #[error("a peripheral answers only some cycles after its clock was enabled: read back, or DSB")]
     ClockJustOn,
-    /// Of the regulator.
+    /// Complaint of the regulator.
     #[error("above 144 MHz the regulator needs its scale 1: VOS in PWR_CR")]
     VoltageScale,
     /// Nothing stands at the address, or nothing is modelled.
     #[error("nothing is modelled at {0:#010x}")]
     Unmodelled(u32),
-    /// Of the PLL.
+    /// Complaint of the PLL.
     #[error("the PLL takes 1 to 2 MHz in, runs at 100 to 432 MHz, and its source must be ready before it is started")]
     PllRange,
-    /// Of the PLL.
+    /// Complaint of the PLL.
     #[error("PLLCFGR is not written while the PLL runs")]
     PllChangedWhileOn,
-    /// Of the clock switch.
+    /// Complaint of the clock switch.
     #[error("a clock is taken for the core only once it is ready")]
     ClockNotReady,
-    /// Of the buses.
+    /// Complaint of the buses.
     #[error("the core runs at 168 MHz at the most, APB1 at 42, APB2 at 84")]
     ClockTooFast,
-    /// Of the memory protection.
+    /// Complaint of the memory protection.
     #[error("a region has 32 bytes or more, a power of two, and begins at a multiple of its size")]
     MpuRegion,
-    /// Of the flash.
+    /// Complaint of the flash.
     #[error("{needed} wait states are needed at this clock and supply, {set} are set")]
     WaitStates {
         /// By the table of the manual.
@@ -43,114 +43,114 @@ pub enum BrokenRule {
         /// In FLASH_ACR.
         set: u32,
     },
-    /// Of the flash.
+    /// Complaint of the flash.
     #[error("the flash is unlocked by its two keys in their order; anything else locks it until the next reset")]
     FlashKey,
-    /// Of the flash.
+    /// Complaint of the flash.
     #[error("a control register of the flash is written while it is locked, or while the flash is busy")]
     FlashLocked,
-    /// Of the flash.
+    /// Complaint of the flash.
     #[error("a store to the flash needs PG, and the width that PSIZE says")]
     FlashProgramming,
-    /// Of the flash.
+    /// Complaint of the flash.
     #[error("erasing, and programming by words, need a supply of 2.7 V")]
     ProgrammingSupply,
-    /// Of the flash.
+    /// Complaint of the flash.
     #[error("programming clears bits: what is not erased cannot be written")]
     FlashNotErased,
-    /// Of the flash.
+    /// Complaint of the flash.
     #[error("the data cache is reset only while it is off")]
     CacheResetWhileOn,
-    /// Of the flash.
+    /// Complaint of the flash.
     #[error("the data cache still holds what stood there before the erase: reset it")]
     StaleCache,
-    /// Of the converter's bus.
+    /// Complaint of the converter's bus.
     #[error("the converter is read in SPI mode 1: clock low at rest, data taken at the falling edge")]
     SpiMode,
-    /// Of the bus.
+    /// Complaint of the bus.
     #[error("the pins of the bus are not connected to it: alternate function 5")]
     SpiPins,
-    /// Of the bus.
+    /// Complaint of the bus.
     #[error(
         "the pin of SCK is too slow for APB2: the last bit of a byte may be that of the byte before (ES0182, 2.12.4)"
     )]
     SpiClockPin,
-    /// Of the bus.
+    /// Complaint of the bus.
     #[error("SPI_DR is written while the bus is off or its buffer full")]
     SpiWrite,
-    /// Of the bus.
+    /// Complaint of the bus.
     #[error("SPI_CR1 is changed while a byte is on its way")]
     SpiChangedWhileBusy,
-    /// Of the bus.
+    /// Complaint of the bus.
     #[error("a byte was not read before the next one came")]
     SpiOverrun,
-    /// Of the converter.
+    /// Complaint of the converter.
     #[error("chip select changes in the middle of a byte")]
     SelectInsideByte,
-    /// Of the converter.
+    /// Complaint of the converter.
     #[error("SCLK is 20 MHz at the most")]
     AdcClock,
-    /// Of the converter.
+    /// Complaint of the converter.
     #[error("four t_CLK pass between the bytes of a command, and before chip select rises")]
     AdcDecodeTime,
-    /// Of the converter.
+    /// Complaint of the converter.
     #[error("chip select stays high for two t_CLK between commands")]
     AdcSelectTime,
-    /// Of the converter.
+    /// Complaint of the converter.
     #[error("a reset pulse lasts two t_CLK, 18 t_CLK pass after it, and the first one comes 2^18 t_CLK after power")]
     AdcResetTime,
-    /// Of the converter.
+    /// Complaint of the converter.
     #[error("registers are read and written in SDATAC only")]
     AdcRegisterWhileStreaming,
-    /// Of the converter.
+    /// Complaint of the converter.
     #[error("there is no such command or register")]
     AdcCommand,
-    /// Of the converter.
+    /// Complaint of the converter.
     #[error("data are read before the first conversion is there")]
     AdcNoData,
-    /// Of the converter.
+    /// Complaint of the converter.
     #[error("a frame is read once, after data-ready has fallen")]
     AdcNotReady,
-    /// Of the converter.
+    /// Complaint of the converter.
     #[error("a frame is read across the update by the next conversion")]
     AdcFrameAcrossUpdate,
-    /// Of the converter.
+    /// Complaint of the converter.
     #[error("the reference needs 150 ms to settle before a conversion counts")]
     AdcReference,
-    /// Of the line to the host.
+    /// Complaint of the line to the host.
     #[error("a byte came and nobody took the one before")]
     UsartOverrun,
-    /// Of the line to the host.
+    /// Complaint of the line to the host.
     #[error("the baud rate is beyond 2 % of the host's")]
     UsartBaud,
-    /// Of the line to the host.
+    /// Complaint of the line to the host.
     #[error("the pins of the line are not connected to it: alternate function 7")]
     UsartPins,
-    /// Of the DMA.
+    /// Complaint of the DMA.
     #[error("a stream's registers are not changed while it runs")]
     DmaChangedWhileOn,
-    /// Of the DMA.
+    /// Complaint of the DMA.
     #[error("a stream's flags are cleared before it is enabled")]
     DmaFlagsStand,
-    /// Of the DMA.
+    /// Complaint of the DMA.
     #[error("stream, channel, direction and address fit no peripheral that asks for them")]
     DmaRequest,
-    /// Of the DMA.
+    /// Complaint of the DMA.
     #[error("memory is changed while a stream reads it")]
     DmaMemoryChanged,
-    /// Of the watchdog.
+    /// Complaint of the watchdog.
     #[error("IWDG_PR and IWDG_RLR are written after the key 0x5555")]
     WatchdogProtected,
-    /// Of the watchdog.
+    /// Complaint of the watchdog.
     #[error("IWDG_PR and IWDG_RLR are written only while PVU and RVU are clear")]
     WatchdogUpdating,
-    /// Of the watchdog.
+    /// Complaint of the watchdog.
     #[error("the counter is reloaded while a new reload value is not taken over yet")]
     WatchdogReloadedEarly,
-    /// Of the board.
+    /// Complaint of the board.
     #[error("a heater is high while the board reports that none may be")]
     HeaterHigh,
-    /// Of the board.
+    /// Complaint of the board.
     #[error("a heater is high without a valid reading of its element within two ticks")]
     HeaterUnread,
 }
@@ -164,7 +164,7 @@ pub struct Complaint {
     pub register: &'static str,
     /// The rule.
     pub rule: BrokenRule,
-    /// How often.
+    /// Number of times.
     pub times: u32,
 }
 
@@ -188,7 +188,7 @@ impl Complaints {
         }
     }
 
-    /// What there is, in the order in which it came.
+    /// All complaints, in the order in which they came.
     pub fn all(&self) -> &[Complaint] {
         &self.0
     }

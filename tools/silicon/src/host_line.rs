@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 
 use crate::soc::usart::HOST_BAUD;
 
-/// What a byte of the host takes.
+/// Time that a byte of the host takes.
 const BYTE: u64 = CYCLES_PER_SECOND * 10 / HOST_BAUD;
 
 /// Both directions.
@@ -37,12 +37,12 @@ impl HostLine {
         self.from_board.push_back((now, bytes.to_vec()));
     }
 
-    /// Whether something has come.
+    /// Tells whether something has come.
     pub fn has_frames(&self) -> bool {
         !self.from_board.is_empty()
     }
 
-    /// What has come, and when it was complete.
+    /// Frames that have come, and when it was complete.
     pub fn frames(&mut self) -> impl Iterator<Item = (u64, Vec<u8>)> {
         self.from_board.drain(..)
     }

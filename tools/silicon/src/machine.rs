@@ -11,6 +11,7 @@ use crate::soc::power::NOMINAL_MV;
 use crate::soc::rcc::ResetSource;
 use crate::time::ms;
 use host_sim::sensor::{SensorConfig, SensorError};
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -40,7 +41,7 @@ pub enum MachineError {
     Processor(#[from] ProcessorError),
 }
 
-/// What a machine is made from.
+/// Parts that a machine is made from.
 #[derive(Clone, Debug, Default)]
 pub struct MachineConfig {
     /// The sensor at its pins; the sample period is the machine's own.
@@ -119,6 +120,12 @@ impl Machine {
     /// The core, to do something to it.
     pub const fn core_mut(&mut self) -> &mut Processor<Board> {
         &mut self.core
+    }
+
+    /// Longest time of each handler so far, cycles, by its exception; without those that have
+    /// interrupted it.
+    pub const fn handler_times(&self) -> &BTreeMap<u16, u64> {
+        self.core.handler_times().longest()
     }
 
     /// Resets by which the firmware has proved its watchdog: with a period far below any that lets

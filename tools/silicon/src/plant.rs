@@ -26,15 +26,15 @@ pub struct SensorPlant {
     levels: u8,
     /// Heaters that have their high current whatever the level is.
     stuck_high: u8,
-    /// Whether the platinum has its supply, which the board has switched.
+    /// The platinum has its supply, which the board has switched.
     is_supplied: bool,
     step_ends: u64,
     /// Since when the levels are these, and what they were at the step's begin.
     changed_at: u64,
     levels_before: u8,
-    /// Of the last step.
+    /// Codes of the last step.
     codes: [i32; CHANNELS],
-    /// Of all steps since the last conversion.
+    /// Sum of all steps since the last conversion.
     sum: [i64; CHANNELS],
     steps: i64,
 }
@@ -68,7 +68,7 @@ impl SensorPlant {
         self.is_supplied = other.is_supplied;
     }
 
-    /// What only a simulation knows.
+    /// Truth that only a simulation knows.
     pub fn truth(&self) -> SensorTruth {
         self.sensor.truth()
     }
@@ -90,7 +90,7 @@ impl SensorPlant {
         self.changed_at = now;
     }
 
-    /// Whether the platinum has its supply.
+    /// Tells whether the platinum has its supply.
     pub const fn is_supplied(&self) -> bool {
         self.is_supplied
     }

@@ -1,5 +1,5 @@
-//! What the firmware does with registers, written down for whoever holds it against descriptions of
-//! the chip (`cargo xtask registers`).
+//! Uses of registers by the firmware, written down for whoever holds it against descriptions of the
+//! chip (`cargo xtask registers`).
 //!
 //! With `ANEMO_REGISTER_LOG` set, each thread writes a file into that folder as it ends: a line for
 //! each register and width, with the bits that were ever written as one and as zero.

@@ -22,7 +22,7 @@ use wire::{FromBoard, Receiver, ToBoard};
 
 /// Half a millisecond of the dead-man timer, and a conversion with its frame.
 const LATE: u64 = us(1_000);
-/// Of what the board grants.
+/// Longest tick of what the board grants.
 const LONGEST_TICK: u64 = ms(1_000);
 /// Half a second of the watchdog by the slow oscillator at its slowest.
 const WATCHDOG: u64 = ms(950);
@@ -33,7 +33,7 @@ const ENDS: [[u8; 3]; 2] = [[0x7f, 0xff, 0xff], [0x80, 0, 0]];
 
 const PIN: &str = "PC0 to PC5";
 
-/// What is known of host and board.
+/// Knowledge about host and board.
 #[derive(Clone, Debug, Default)]
 pub struct HeaterWitness {
     from_host: Option<Receiver>,
@@ -155,7 +155,7 @@ impl HeaterWitness {
 
     /// The pins change.
     pub fn pins(&mut self, now: u64, levels: u8, complaints: &mut Complaints) {
-        // Those that were high until now, and those that become so.
+        // Heaters that were high until now, and those that become so.
         self.passed(now, complaints);
         self.levels = levels;
         self.passed(now, complaints);

@@ -139,7 +139,7 @@ fn the_clock_tree_is_watched() {
     bench.0.barrier();
     assert_eq!(bench.load(POWER), 0x4000);
     bench.is_content();
-    // What was read as zero is written back: scale 2, for 144 MHz at the most.
+    // The value that was read as zero is written back: scale 2, for 144 MHz at the most.
     let mut bench = Bench::running();
     bench.store(RCC + 0x40, 1 << 28).wait(us(1)).store(POWER, 7 << 5 | 1 << 4).complains(BrokenRule::VoltageScale);
     // A wait state too few.

@@ -10,17 +10,19 @@ use dr_core::wind::HeadForm;
 use dr_core::wind::slow_errors::SurfaceCorrection;
 use dr_core::wind::{
     CalibrationUncertainty, CardConfig, ConvectionConfig, GasLawConfig, HeadSurface, RiseConfig, StemConfig,
-    SurfaceConfig, WindOutputConfig,
+    SurfaceConfig, WindCommand, WindOutputConfig,
 };
 
 extern crate std;
 use std::vec::Vec;
 
+const NAME: &str = "a name that has 32 characters ..";
+
 const GAINS: GainsConfig =
     GainsConfig { correction_w_per_k: [1.0; 8], convection_w_per_k: 2.0, weights: [3.0; 2], variance_w2: 4.0 };
 
-/// One of each kind, all numbers plain.
-fn one_of_each() -> Vec<Setting> {
+/// One command of each kind, all numbers plain.
+fn one_of_each() -> Vec<Command> {
     let channel = Channel::new(Platinum::linear(175.0, 0.0031).unwrap(), 5e-7, 0.003, 0.016).unwrap();
     let limits = Limits {
         resistance_min_ohm: 100.0,
@@ -69,7 +71,7 @@ fn one_of_each() -> Vec<Setting> {
     };
     let part = HeadSurface { element: 3, surface, gain: 1.0, windless_w_k: 2.0 };
     let model = SelfHeatingConfig { mesh_rad_s: [1.0; 8], r_k_per_w: [2.0; 8], reference_c: 3.0 };
-    let commands = [
+    [
         Command::SamplePeriod { sample_period_s: 0.01 },
         Command::Guard(GuardConfig { missing_limit_ticks: 5, unreachable_limit_ticks: 3000, stuck_limit_ticks: 0 }),
         Command::Observe { on: true },
@@ -107,18 +109,20 @@ fn one_of_each() -> Vec<Setting> {
         Command::Wind(WindCommand::GasLaw(gas_law)),
         Command::Wind(WindCommand::Output(answer)),
         Command::Wind(WindCommand::Gas { pressure_pa: 700.0, temperature_c: Some(-53.0) }),
-    ];
-    let name = Name::try_from("a name that has all 32 characters").unwrap_or_default();
-    let own = [Setting::Name(name), Setting::TelemetryEvery(10)];
-    own.into_iter().chain(commands.map(Setting::Command)).collect()
+    ]
+    .into()
 }
 
-/// What the board writes by itself.
-fn records() -> Vec<Setting> {
+fn preface() -> Preface {
+    Preface { name: Name::try_from(NAME).unwrap(), telemetry_every: 10 }
+}
+
+/// The longest result of a self-test.
+fn test() -> TestRecord {
     let response = PulseResponse { rise_k: 1.0, expected_k: Some(2.0), ratio: Some(3.0), gap_k: Some(4.0) };
-    let finding = SelfTestFinding {
-        element: 5,
-        of: 6,
+    let finding = |element| SelfTestFinding {
+        element,
+        of: 16,
         faults: SelfTestFaults(7),
         offset_v: Some(8.0),
         reference: Some(9.0),
@@ -127,65 +131,70 @@ fn records() -> Vec<Setting> {
         noise_k: Some(11.0),
         response: Some(response),
     };
-    let firmware = Name::try_from("anemo").unwrap_or_default();
-    let record = |unix_s| Setting::Tested(TestRecord { unix_s, firmware: firmware.clone(), starts: 12, finding });
-    [Some(1_800_000_000), None].map(record).into()
+    let firmware = Name::try_from(NAME).unwrap();
+    TestRecord { unix_s: Some(u32::MAX), firmware, starts: u32::MAX, findings: (0..16).map(finding).collect() }
 }
 
 /// Every so manieth of a long row is tried: an interpreter takes a hundred times as long.
 const STEP: usize = if cfg!(miri) { 64 } else { 1 };
 
-#[test]
-fn each_comes_out_as_it_went_in_and_nowhere_else() {
-    let settings = [one_of_each(), records()].concat();
-    let kinds: Vec<SettingKind> = (0..=u8::MAX).filter_map(SettingKind::from_repr).collect();
-    assert_eq!(settings.len(), kinds.len());
-    let mut before = 0;
-    for (setting, kind) in settings.iter().zip(kinds) {
-        let key = setting.key().unwrap();
-        assert_eq!((key.kind, SettingKey::of_number(key.number())), (kind, Some(key)));
-        assert!(key.number() > before, "in the order in which they are told");
-        before = key.number();
-        let value = setting.value().unwrap();
-        assert_eq!(Setting::read(key.number(), &value).as_ref(), Ok(setting));
-        for other in settings.iter().filter(|other| *other != setting).step_by(STEP) {
-            let other = other.key().unwrap().number();
-            assert_eq!(Setting::read(other, &value), Err(Unusable::Misplaced));
-        }
-        for length in (1..value.len()).step_by(STEP) {
-            assert_eq!(Setting::read(key.number(), &value[..length]), Err(Unusable::Damaged), "{kind:?} cut");
-        }
-        for format in (0..=255).filter(|format| !(1..=FORMAT).contains(format)).step_by(STEP) {
-            let mut value = value.clone();
-            value[0] = format;
-            assert_eq!(Setting::read(key.number(), &value), Err(Unusable::Format { found: format }));
-        }
-    }
-    assert_eq!(Setting::read(0x7700, &[FORMAT, 1, 1]), Err(Unusable::UnknownKey));
-    assert_eq!(Setting::Command(Command::Start).key(), None);
+fn record() -> Vec<u8> {
+    let mut record = preface().bytes().unwrap().to_vec();
+    one_of_each().iter().for_each(|command| record.extend(command_bytes(command).unwrap()));
+    record
 }
 
-/// Values as a board keeps them, in each format that there has been: number of the key, format,
-/// bytes. Lines are added for new kinds, and never changed.
-const OF_FORMATS: [&str; FORMAT as usize] = [include_str!("format1.txt"), include_str!("format2.txt")];
-
-/// A board that is updated goes on with what it has kept. Whoever changes what a value looks like
-/// raises `FORMAT`, and converts these in `Setting::read`.
 #[test]
-fn values_that_an_older_board_has_kept_are_still_read() {
-    let settings = [one_of_each(), records()].concat();
-    assert!(OF_FORMATS.iter().all(|values| values.lines().count() == settings.len()), "a line of each kind");
-    let formats =
-        OF_FORMATS.iter().zip(1..).flat_map(|(values, format)| values.lines().map(move |line| (format, line)));
-    for ((format, line), setting) in formats.zip(settings.iter().cycle()) {
-        let (number, digits) = line.split_once(' ').unwrap();
-        let number = KeyNumber::from_str_radix(number, 16).unwrap();
-        let byte = |at| u8::from_str_radix(&digits[at..at + 2], 16).unwrap();
-        let value: Vec<u8> = (0..digits.len()).step_by(2).map(byte).collect();
-        assert_eq!(value[0], format);
-        assert_eq!(Setting::read(number, &value), Ok(setting.clone()), "{number:#06x}");
-        if format == FORMAT {
-            assert_eq!(setting.value().unwrap().as_slice(), value, "{number:#06x} looks otherwise: raise FORMAT");
+fn each_command_comes_out_as_it_went_in_and_fits_a_piece() {
+    let record = record();
+    let (read, mut rest) = Preface::take(&record).unwrap();
+    assert_eq!(read, preface());
+    for command in one_of_each() {
+        let (read, after) = take_command(rest).unwrap();
+        assert_eq!(read, command);
+        let bytes = &rest[..rest.len() - after.len()];
+        assert!(bytes.len() <= MOST_PIECE);
+        for length in (0..bytes.len()).step_by(STEP) {
+            assert_eq!(take_command(&bytes[..length]), Err(Unusable::Damaged), "{command:?} cut");
         }
+        rest = after;
     }
+    assert!(rest.is_empty());
+    for format in (0..=255).filter(|format| *format != FORMAT).step_by(STEP) {
+        let mut record = record.clone();
+        record[0] = format;
+        assert_eq!(Preface::take(&record), Err(Unusable::Format { found: format }));
+    }
+    assert_eq!(Preface::take(&[]), Err(Unusable::Damaged));
+}
+
+/// A record with `Arm` and `Start` would heat at each start of the board.
+#[test]
+fn a_command_that_sets_nothing_up_is_refused() {
+    let others = [Command::Clear, Command::Start, Command::Stop, Command::Acknowledge, Command::Arm { window_s: 9.0 }];
+    for command in others {
+        assert_eq!(take_command(&command_bytes(&command).unwrap()), Err(Unusable::Damaged), "{command:?}");
+    }
+}
+
+#[test]
+fn the_longest_self_test_fits_its_record() {
+    let test = test();
+    let bytes = test.bytes().unwrap();
+    assert_eq!(TestRecord::read(&bytes), Ok(test));
+    for length in (1..bytes.len()).step_by(STEP) {
+        assert_eq!(TestRecord::read(&bytes[..length]), Err(Unusable::Damaged));
+    }
+}
+
+/// A record as a board stores it: its preface, then a command a line.
+const OF_FORMAT: &str = include_str!("format3.txt");
+
+/// A board that is updated goes on with its settings. A change of their bytes raises `FORMAT`.
+#[test]
+fn settings_that_a_board_has_stored_are_still_read() {
+    let digits: Vec<u8> = OF_FORMAT.bytes().filter(u8::is_ascii_hexdigit).collect();
+    let byte = |digits: &[u8]| u8::from_str_radix(core::str::from_utf8(digits).unwrap(), 16).unwrap();
+    let stored: Vec<u8> = digits.chunks(2).map(byte).collect();
+    assert_eq!(stored, record(), "the bytes of settings differ: raise FORMAT");
 }

@@ -1,4 +1,4 @@
-//! How a controller carries out commands.
+//! Commands, as a controller carries them out.
 
 use super::{ControlledElement, Controller, ElementState};
 use crate::command::{Command, LONGEST_ARMED_S, LONGEST_HOST_TIMEOUT_S, Reply};

@@ -97,7 +97,7 @@ impl<const N: usize> Controller<N> {
         f32::visit_each(fingerprint_ohm, &mut checksum);
         let switches = u32::from(*observing) | u32::from(host_silence.is_some()) << 1;
         checksum.word(*configured as u32 | switches << 8);
-        // Those that a tick judges by, in flash: so a flipped reference shows.
+        // Rules that a tick judges by, in flash: so a flipped reference shows.
         (hardware.no_rise_s, hardware.energy).visit(&mut checksum);
         elements.iter().map_while(Option::as_ref).for_each(|element| element.transducer.visit(&mut checksum));
         checksum

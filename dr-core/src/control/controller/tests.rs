@@ -450,7 +450,7 @@ fn the_digest_sees_every_part_of_the_state() {
         change(&mut changed.states[1]);
         assert_ne!(digest(&changed, &tick), plain, "change {i}");
     }
-    // What an observer remembers counts while there is one; without, a run has the digest that it
+    // The memory of an observer counts while there is one; without, a run has the digest that it
     // always had.
     let mut changed = controller;
     changed.states[1].observer.added_w += 1e-9;

@@ -1,4 +1,4 @@
-//! What a refusal says to whom it is told.
+//! Sentences of refusals.
 
 extern crate std;
 
@@ -13,7 +13,7 @@ fn every_refusal_has_words_of_its_own_and_its_numbers_in_them() {
     let error = ConfigError { parameter: Parameter::PowerW, problem: ParameterProblem::NotPositive };
     let trip = Trip::of(3, Cause::OverTemperature);
     let unreachable = |verdict| Refusal::Unreachable { element: 2, target_c: -31.5, verdict };
-    // What has to be in the sentence, beside what else it says.
+    // Words that have to be in the sentence, beside what else it says.
     let all: [(Refusal, &[&str]); 16] = [
         (Refusal::NotInStandby, &["standby", "stop"]),
         (Refusal::Tripped(trip), &["over-temperature", "element 3", "acknowledge"]),

@@ -25,7 +25,7 @@ pub const SIGNIFICANT: f32 = 5.0;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SelfTestFinding {
-    /// Which, from 0.
+    /// Number of the element, from 0.
     pub element: u8,
     /// Number of elements tested.
     pub of: u8,
@@ -57,8 +57,8 @@ pub struct PulseResponse {
     /// Measured response over expected one, by least squares over the whole pulse; none without a
     /// model.
     pub ratio: Option<f32>,
-    /// What the high level reads beyond the low one, less what the model expects of the first tick,
-    /// K; none without a model.
+    /// Excess of the high level's reading over the low one's, less what the model expects of the
+    /// first tick, K; none without a model.
     pub gap_k: Option<f32>,
 }
 
@@ -109,17 +109,17 @@ impl SelfTestFaults {
         }
     }
 
-    /// Whether one is among them.
+    /// Tells whether one is among them.
     pub const fn has(self, fault: SelfTestFault) -> bool {
         self.0 >> fault as u8 & 1 == 1
     }
 
-    /// Whether there are none.
+    /// Tells whether there are none.
     pub const fn is_none(self) -> bool {
         self.0 == 0
     }
 
-    /// Those there are.
+    /// Iterates over the faults.
     pub fn iter(self) -> impl Iterator<Item = SelfTestFault> {
         SelfTestFault::VARIANTS.iter().copied().filter(move |&fault| self.has(fault))
     }

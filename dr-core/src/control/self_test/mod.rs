@@ -101,7 +101,7 @@ impl<const N: usize> SelfTest<N> {
         }
     }
 
-    /// Whether the self-test has finished.
+    /// Tells whether the self-test has finished.
     pub(crate) const fn is_over(&self) -> bool {
         matches!(self.phase, Phase::Done)
     }

@@ -2,8 +2,8 @@
 
 use crate::arithmetic::sqrt;
 
-/// Of one element at the low level: mean, and noise by second differences, which neither drift nor
-/// a steady cooling moves.
+/// Readings of one element at the low level: mean, and noise by second differences, which neither
+/// drift nor a steady cooling moves.
 ///
 /// ```text
 /// σ² = Σ (x_n − 2 x_{n−1} + x_{n−2})² / (6 (N − 2))
@@ -34,7 +34,7 @@ impl Quiet {
         self.count += 1;
     }
 
-    /// How many there were.
+    /// Number of them.
     pub const fn count(&self) -> u32 {
         self.count
     }
@@ -51,7 +51,7 @@ impl Quiet {
     }
 }
 
-/// Of an element in its pulse: measured temperatures T_c against those of its model m_c.
+/// Readings of an element in its pulse: measured temperatures T_c against those of its model m_c.
 ///
 /// ```text
 /// ratio = Σ (T − T̄)(m − m̄) / Σ (m − m̄)²,      at the model's start: T̄ − ratio m̄

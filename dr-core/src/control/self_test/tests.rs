@@ -39,9 +39,9 @@ struct TestHead {
     reference: [f64; ELEMENTS],
     /// Over what they should be.
     currents: [[f64; 2]; ELEMENTS],
-    /// Which element's heat goes into which.
+    /// Heat of each element into each other one.
     heats: [usize; ELEMENTS],
-    /// What is read in place of the elements.
+    /// Readings in place of the elements.
     instead: [Option<Reading>; ELEMENTS],
     /// In place of anything.
     silent: bool,
@@ -64,7 +64,7 @@ impl TestHead {
         }
     }
 
-    /// Of twelve uniform numbers: normal enough.
+    /// Sum of twelve uniform numbers: normal enough.
     fn normal(&mut self) -> f64 {
         (0..12).fold(-6.0, |sum, _| {
             self.random = self.random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -253,8 +253,8 @@ fn a_heater_that_heats_too_little_is_distinguished_from_one_that_does_not_heat()
     let mut head = TestHead::sound();
     head.currents[0][1] = CURRENTS_A[0] / CURRENTS_A[1];
     let findings = tested(head);
-    // What it reads at the high level is then a fifth of the resistance, a short: the guard ends
-    // the test.
+    // Its reading at the high level is then a fifth of the resistance, a short: the guard ends the
+    // test.
     assert!(findings.iter().all(|finding| finding.faults.has(SelfTestFault::Interrupted)), "{findings:?}");
 }
 
@@ -403,7 +403,7 @@ fn stopping_it_puts_the_front_end_back_before_anything_is_judged() {
     instrument.handle(Command::Arm { window_s: 1.0 }).unwrap();
     instrument.handle(Command::Drive { element: 0, drive: Drive::Level(Level::High) }).unwrap();
     instrument.handle(Command::Start).unwrap();
-    // What is read first is still of the shorted inputs.
+    // The first reading is still of the shorted inputs.
     let first = tick(&mut instrument, &mut head);
     assert_eq!((first.state, first.valid, first.heaters.0), (RunState::Running, 0, 0));
     let second = tick(&mut instrument, &mut head);
@@ -496,7 +496,7 @@ fn what_cannot_be_tested_is_refused_and_changes_nothing() {
 
 #[test]
 fn a_controller_ends_a_test_by_itself_when_its_time_is_over() {
-    // As if the test's own count had been upset: nobody steps it.
+    // The test's own count is upset: nobody steps it.
     let mut controller = Controller::<ELEMENTS>::new(&HardwareLimits::SIMULATED);
     controller.handle(Command::SamplePeriod { sample_period_s: PERIOD_S }).unwrap();
     controller.handle(Command::Element { element: 0, config: config() }).unwrap();

@@ -66,9 +66,9 @@ pub struct AlarmConfig {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FasterGainsConfig {
-    /// Which element.
+    /// Number of the element.
     pub element: u8,
-    /// Which set, from 0: the fastest comes first.
+    /// Number of the set, from 0: the fastest comes first.
     pub set: u8,
     /// In use until so long after the last alarm, s; ascending.
     pub until_s: f32,

@@ -140,7 +140,7 @@ impl AdaptiveGains {
         Ok(Self { steady: Gains::new(gains, seen_k_per_w)?, alarm, sets: None })
     }
 
-    /// Whether the element loses heat by convection.
+    /// Tells whether the element loses heat by convection.
     pub fn convects(&self) -> bool {
         self.steady.of.convection_w_per_k > 0.0
     }

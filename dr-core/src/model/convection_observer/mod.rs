@@ -243,7 +243,7 @@ impl<const N: usize> ConvectionObserver<N> {
         Ok(())
     }
 
-    /// Whether an element is part of the network.
+    /// Tells whether an element is part of the network.
     pub fn knows(&self, element: usize) -> bool {
         self.self_heating.get(element).is_some_and(Option::is_some)
     }
@@ -320,7 +320,7 @@ impl<const N: usize> ConvectionObserver<N> {
         warmed_k
     }
 
-    /// Whether the states have been initialised.
+    /// Tells whether the states have been initialised.
     pub const fn is_initialised(&self, state: &ConvectionObserverState<N>) -> bool {
         state.initialised
     }
@@ -415,7 +415,7 @@ impl<const N: usize> ConvectionObserver<N> {
 pub(crate) const NO_SUCH_ELEMENT: ConfigError =
     ConfigError { parameter: Parameter::PartElement, problem: ParameterProblem::Missing };
 
-/// What a power of one tick does to the temperature by each relaxation, K/W.
+/// Effect of a power of one tick on the temperature by each relaxation, K/W.
 fn seen_k_per_w(symbol: &Symbol<ORDER>, relaxations: &Relaxations<ORDER>) -> [f32; ORDER] {
     core::array::from_fn(|k| symbol.r_k_per_w()[k] * relaxations.gain()[k])
 }

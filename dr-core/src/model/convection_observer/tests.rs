@@ -90,8 +90,8 @@ fn a_state_hands_out_every_number_once_and_in_order() {
         numbers.0
     };
     let before = numbers(&state);
-    // Of each element its states, what is compensated for, q, what the monitor has smoothed and the
-    // mean weight; of each pair its states and the same.
+    // Each element has its states, what is compensated for, q, what the monitor has smoothed and
+    // the mean weight; of each pair its states and the same.
     assert_eq!(before.len(), 2 * (2 * ORDER + 3) + 2 * 2 * CROSS_ORDER);
     let own = 2 * ORDER + 3;
     type SpoilState = fn(&mut ConvectionObserverState<2>);
@@ -188,7 +188,7 @@ fn its_bandwidth_is_the_same_at_any_duty_cycle() {
     for high_every in [None, Some(16), Some(2), Some(1)] {
         let weighed = after_a_jump([0.1, 1.9], high_every);
         let apart = plain.iter().zip(&weighed).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
-        // Of those that are seldom high, half of what is known comes 8 ticks late on average.
+        // For elements that are seldom high, half of what is known comes 8 ticks late on average.
         assert!(apart < 1e-3, "{high_every:?}: {apart} W");
     }
 }

@@ -17,7 +17,7 @@ use crate::wind::surface::SurfaceConfig;
 #[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HeadSurface {
-    /// Which element.
+    /// Number of the element.
     pub element: u8,
     /// Its place on the sphere; for a die the normal of its card, and its place on the card as
     /// `corner`.
@@ -33,7 +33,7 @@ pub struct HeadSurface {
 #[derive(Debug, Clone, Copy, PartialEq, Fields!)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WindOutputConfig {
-    /// As many as the head has; a card has 4 dice.
+    /// Number of surfaces; a card has 4 dice.
     pub surfaces: u8,
     /// Diameter of sphere, cylinder or wire, or side of a die, m.
     pub diameter_m: f32,
@@ -58,7 +58,7 @@ pub struct WindOutputConfig {
 pub enum WindCommand {
     /// Self-heating of an element. After the sample period.
     SelfHeating {
-        /// Which, from 0.
+        /// Number of the surface, from 0.
         element: u8,
         /// Model and gains.
         config: NetworkSelfHeatingConfig,
@@ -69,16 +69,16 @@ pub enum WindCommand {
     CrossHeating(NetworkCrossHeatingConfig),
     /// Amplitudes of the local Nusselt number at a Reynolds number.
     NusseltPoint {
-        /// Which point, from 0.
+        /// Number of the point, from 0.
         point: u8,
         /// a_0 … a_5.
         amplitudes: [f32; ORDERS],
     },
     /// A surface of the head.
     Surface {
-        /// Which, from 0.
+        /// Number of the surface, from 0.
         surface: u8,
-        /// What.
+        /// Configuration of the surface.
         config: HeadSurface,
     },
     /// The gas.
@@ -94,12 +94,11 @@ pub enum WindCommand {
     },
     /// Calibration of a card with four dice, in place of Nusselt points.
     Card(CardConfig),
-    /// What the surfaces belong to; without it they are parts of a sphere.
+    /// Form that the surfaces belong to; without it they are parts of a sphere.
     Form(HeadForm),
-    /// What the calibration adds to the uncertainty of the wind; without it nothing.
+    /// Amount that the calibration adds to the uncertainty of the wind; without it nothing.
     Uncertainty(CalibrationUncertainty),
-    /// How the convection of surfaces is taken; without it by the properties of the gas, in the
-    /// wind itself.
+    /// Convection of surfaces; without it by the properties of the gas, in the wind itself.
     Convection(ConvectionConfig),
     /// Slow errors of the first surfaces that are taken out; without it none.
     Correction([SurfaceCorrection; SECTORS]),

@@ -42,20 +42,26 @@ impl<const N: usize> Anemometer<N> {
         }
     }
 
-    /// Whether the piece whose turn it is in this tick is intact. Before the set-up there is
+    /// Tells whether the piece whose turn it is in this tick is intact. Before the set-up there is
     /// nothing to verify.
     pub fn is_intact_at(&self, tick: u32) -> bool {
         let piece = tick as usize % Self::PIECES;
         self.output.is_none() || self.is_intact_in(piece)
     }
 
-    /// Whether all pieces are intact.
+    /// Tells whether all pieces are intact.
     pub fn is_whole(&self) -> bool {
         self.checksums.is_none() || (0..Self::PIECES).all(|piece| self.is_intact_in(piece))
     }
 
     fn is_intact_in(&self, piece: usize) -> bool {
         self.checksums.as_ref().and_then(|all| all.get(piece)) == Some(&self.piece_checksum(piece))
+    }
+
+    /// Flips a bit of a setting, for tests.
+    #[cfg(test)]
+    pub fn flip_a_setting(&mut self) {
+        self.pressure_pa = self.pressure_pa.map(|of| f32::from_bits(of.to_bits() ^ 1));
     }
 
     #[inline(never)] // in the image once

@@ -1,4 +1,4 @@
-//! How an anemometer outputs its wind estimate, checked and made ready for one sample period.
+//! Output of an anemometer's wind estimate, checked and made ready for one sample period.
 
 use super::command::WindOutputConfig;
 use super::head_inverse::HeadInverse;

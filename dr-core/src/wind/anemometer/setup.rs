@@ -135,7 +135,7 @@ impl AnemometerSetup {
         if let Some(convection) = &self.convection {
             vector.rest_at(convection.nusselt_at_rest)?;
             if !convection.free_stream.is_none() && !vector.is_complete() {
-                // What such a head leaves open has no direction to be turned or raised.
+                // A component that such a head leaves open has no direction to be turned or raised.
                 return Err(error::out_of_range(Parameter::Parts, 4.0, MOST_SURFACES as f32));
             }
         }

@@ -16,7 +16,7 @@ impl<const N: usize> Anemometer<N> {
         self.update_given_checksum();
     }
 
-    /// Those that it is corrected by.
+    /// Corrections of the wind.
     pub const fn corrections(&self) -> Option<&[SurfaceCorrection; SECTORS]> {
         self.corrections.as_ref()
     }
@@ -51,7 +51,7 @@ impl<const N: usize> Anemometer<N> {
         uncertainty.conductance_share_at(scale.place(speed_m_s * scale.per_speed))
     }
 
-    /// Whether the calibration assumes properties of the film.
+    /// Tells whether the calibration assumes properties of the film.
     pub fn is_film_assumed(&self) -> bool {
         self.setup.convection.as_ref().is_some_and(crate::wind::convection::ConvectionSettings::is_film_assumed)
     }

@@ -26,7 +26,7 @@ fn wind(wind_m_s: [f32; 3], chi_square: f32) -> WindEstimate {
     }
 }
 
-/// Of four surfaces, each known to `share` of itself by the noise.
+/// Conductances of four surfaces, each known to `share` of itself by the noise.
 fn measured(share: f32) -> [Option<MeasuredConductance>; 4] {
     [1e-3, 2e-3, 1.5e-3, 1e-3]
         .map(|g: f32| Some(MeasuredConductance { conductance_w_k: g, variance_w2_k2: square(share * g) }))

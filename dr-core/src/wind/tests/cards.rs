@@ -106,8 +106,8 @@ fn three_dice_still_answer_with_wider_errors_and_two_do_not() {
         assert!(told.direction_error_rad > whole.direction_error_rad, "{told:?} {whole:?}");
         widest_rad = widest_rad.max(told.direction_error_rad);
     }
-    // What lies across the diagonal of a missing die is known as before; along it the variance is
-    // threefold.
+    // The component across the diagonal of a missing die is known as before; along it the variance
+    // is threefold.
     assert!(widest_rad > 1.4 * whole.direction_error_rad, "{widest_rad}");
     let mut measured = [None; DICE];
     measured[0] = Some(MeasuredConductance { conductance_w_k: 3e-4, variance_w2_k2: 1e-12 });
@@ -146,7 +146,7 @@ fn errors_are_as_large_as_they_are_said_to_be() {
         count += 1.0;
     }
     let (speed, angle) = (f32::sqrt(speed / count), f32::sqrt(angle / count));
-    // Of 2000 a standard deviation is known to 2 %; the rest is what is not linear, where the angle
+    // A standard deviation of 2000 is known to 2 %; the rest is what is not linear, where the angle
     // is known to 5° only.
     assert!((0.9..1.1).contains(&speed) && (0.9..1.1).contains(&angle), "{speed} {angle}");
 }

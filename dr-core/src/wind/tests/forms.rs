@@ -97,7 +97,7 @@ fn winds_round_a_cylinder_come_back_whatever_the_number_of_sectors() {
             assert!(!found.quality.has(QualityFlags::FAILED), "{count} {wind:?} {found:?}");
             assert!(off(found.wind_m_s, wind) < 2e-3 * speed, "{count} {wind:?} {found:?}");
             assert!((found.speed_m_s - speed).abs() < 2e-3 * speed, "{count} {wind:?} {found:?}");
-            // What is along the axis is not known, and is said not to be.
+            // The component along the axis is not known, and is said not to be.
             assert!(found.quality.has(QualityFlags::UNDETERMINED));
             assert!((found.covariance_m2_s2[2][2] - speed * speed).abs() < 0.01 * speed * speed);
             assert!(found.direction_error_rad < 0.02 && found.speed_error_m_s < 0.02 * speed, "{found:?}");

@@ -165,7 +165,7 @@ fn still_gas_has_no_direction_and_a_speed_within_its_error() {
         assert!(!wind.quality.has(QualityFlags::FAILED), "{wind:?}");
         assert!(wind.speed_m_s < 5.0 * wind.speed_error_m_s.max(wind.covariance_m2_s2[0][0].sqrt()), "{wind:?}");
         largest = largest.max(wind.speed_m_s);
-        // What has no direction is not remembered as one.
+        // A wind without direction is not remembered as one.
         assert_eq!(state.last_m_s.is_none(), wind.quality.has(QualityFlags::NO_DIRECTION));
     }
     std::println!("quiescent gas with 0.1 % noise: at most {largest:.4} m/s");

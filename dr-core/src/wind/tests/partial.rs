@@ -153,7 +153,7 @@ fn a_sector_that_is_hardly_known_does_not_lead_to_the_twin() {
         most_steps = most_steps.max(wind.steps);
     }
     std::println!("one of four sectors within 30 %: followed {followed} of {COUNT}, {most_steps} steps to an answer");
-    // As with three sectors, but for winds next to a fold, where what the fourth says moves the
-    // answer a little.
+    // See three sectors, but for winds next to a fold, where what the fourth says moves the answer
+    // a little.
     assert!(followed >= COUNT - COUNT / 50, "{followed}");
 }

@@ -90,8 +90,8 @@ fn returns_to_the_wind_at_all_speeds_of_the_calibration() {
                 "Re {}",
                 case.reynolds
             );
-            // What the interpolation between the points leaves; above the table two laws differ by
-            // 1 % of Nu, 2.4 % of speed.
+            // Error of the interpolation between the points; above the table two laws differ by 1 %
+            // of Nu, 2.4 % of speed.
             let (degrees, share) = if within { (0.02, 1e-3) } else { (0.5, 0.03) };
             assert!(case.direction_error_deg < degrees, "Re {}: {}°", case.reynolds, case.direction_error_deg);
             assert!(speed_error(case).abs() < share, "Re {}: {}", case.reynolds, speed_error(case));

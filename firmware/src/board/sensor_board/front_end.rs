@@ -29,15 +29,17 @@
 use super::clocks::CycleDelay;
 use super::dead_man::DeadManTimer;
 use super::heater_pin::HeaterPin;
+use super::heaters_low;
 use super::settings_flash;
 use super::stopwatch::{COUNTS_PER_US, counts};
-use dr_core::control::{Cause, Tick};
+use crate::{crash_memory, halt};
+use dr_core::ConfigError;
+use dr_core::control::{Cause, LockoutWords, Tick};
 use dr_core::sensor::reading::REFERENCE_CODE;
 use dr_core::sensor::{FrontEndInput, Reading};
-use dr_core::wind::WindTick;
-use dr_core::{ConfigError, Instrument};
 use embedded_hal::spi::MODE_1;
 use embedded_hal_bus::spi::ExclusiveDevice;
+use firmware::control_loop::ControlBoard;
 use firmware::drivers::ads131e06::{self, Ads131e06};
 use firmware::drivers::data_ready::{DataReady, Due};
 use firmware::drivers::heater_pins::HeaterPins;
@@ -97,6 +99,11 @@ pub struct AdcFrontEnd {
     data_ready: DataReady,
     /// When the last frame was read.
     read_at: u32,
+    /// When the edge came whose frame has completed a tick; none of a tick whose last conversion is
+    /// lost.
+    edge_at: Option<u32>,
+    /// Longest time from there to the pins since the run began, counts.
+    edge_to_pins: u32,
     mean: SettledMean<ELEMENTS>,
     plan: TickPlan,
     /// What the converters are connected to; none while they have not taken it.
@@ -161,6 +168,8 @@ impl AdcFrontEnd {
             rate: usable.then_some(plan.rate()),
             data_ready: expectation(plan),
             read_at: counts(),
+            edge_at: None,
+            edge_to_pins: 0,
             mean: SettledMean::new(plan),
             plan,
             connected: Some(FrontEndInput::Element),
@@ -173,53 +182,6 @@ impl AdcFrontEnd {
         }
     }
 
-    /// The readings of the next tick that is complete. Ask until there is none: a silence can bring
-    /// several at once.
-    pub fn poll(&mut self) -> Option<[Reading; ELEMENTS]> {
-        if settings_flash::take_erase() {
-            self.resume();
-        }
-        loop {
-            // The time before the line: an edge that is not seen was not there at that time.
-            let now = counts();
-            let edge = self.has_edge();
-            let codes = match self.data_ready.next(now, edge) {
-                Due::Wait => return None,
-                Due::Lost => {
-                    self.overran |= edge;
-                    None
-                }
-                Due::Late => {
-                    self.clear_edge();
-                    None
-                }
-                Due::Read => self.read_frame(now),
-            };
-            match codes {
-                Some(_) => self.unchecked += 1,
-                None => self.lost = self.lost.wrapping_add(1),
-            }
-            if let Some(mut readings) = self.mean.conversion(codes.as_ref()) {
-                if now.wrapping_sub(self.read_at) > self.plan.tick_us() / 4 * COUNTS_PER_US {
-                    readings =
-                        readings.map(|reading| if reading == Reading::Missing { reading } else { Reading::Stale });
-                }
-                if self.input == FrontEndInput::Reference {
-                    scale_supplies(&mut readings);
-                }
-                return Some(readings);
-            }
-            if self.unchecked >= FRAMES_A_CHECK
-                && self.data_ready.leaves(counts(), (FRAME_US + ads131e06::VERIFY_US) * COUNTS_PER_US)
-            {
-                self.unchecked = 0;
-                self.fault = self.adc.verify(&mut CycleDelay).err().map(|_| Cause::AdcRegister);
-                // What was converted meanwhile is no frame: it was not streamed.
-                self.torn |= self.line.check_interrupt();
-            }
-        }
-    }
-
     /// Begins a tick anew after an erase, whose conversions are lost.
     fn resume(&mut self) {
         let now = counts();
@@ -229,17 +191,12 @@ impl AdcFrontEnd {
         // Of some conversion during the erase.
         self.clear_edge();
         self.data_ready = expectation(self.plan);
-        self.restart();
+        self.begin_tick();
     }
 
-    /// Conversions so far that have not been read, or whose frame was damaged.
-    pub const fn lost_conversions(&self) -> u32 {
-        self.lost
-    }
-
-    /// What the last check of the ADC has found, once.
-    pub const fn take_fault(&mut self) -> Option<Cause> {
-        self.fault.take()
+    fn begin_tick(&mut self) {
+        self.mean.restart();
+        self.overran = false;
     }
 
     /// Whether a conversion waits. Edges of an ADC that must not be believed are taken away.
@@ -268,22 +225,71 @@ impl AdcFrontEnd {
         self.line.clear_interrupt_pending_bit();
         core::mem::take(&mut self.torn)
     }
+}
 
-    /// Puts the levels on the pins; returns whether that succeeded. If not, they are low.
-    pub fn apply(&mut self, tick: &Tick<ELEMENTS>) -> bool {
-        self.any_high = tick.heaters.0 != 0;
-        self.dead_man.decided(self.any_high);
-        self.heaters.apply(tick.heaters, &mut CycleDelay).is_ok()
+impl ControlBoard<ELEMENTS> for AdcFrontEnd {
+    fn poll(&mut self) -> Option<[Reading; ELEMENTS]> {
+        if settings_flash::take_erase() {
+            self.resume();
+        }
+        loop {
+            // The time before the line: an edge that is not seen was not there at that time.
+            let now = counts();
+            let edge = self.has_edge();
+            let lateness = self.data_ready.lateness(now);
+            let codes = match self.data_ready.next(now, edge) {
+                Due::Wait => return None,
+                Due::Lost => {
+                    self.overran |= edge;
+                    None
+                }
+                Due::Late => {
+                    self.clear_edge();
+                    None
+                }
+                Due::Read => self.read_frame(now),
+            };
+            match codes {
+                Some(_) => self.unchecked += 1,
+                None => self.lost = self.lost.wrapping_add(1),
+            }
+            self.edge_at = codes.map(|_| now.wrapping_sub(lateness));
+            if let Some(mut readings) = self.mean.conversion(codes.as_ref()) {
+                if now.wrapping_sub(self.read_at) > self.plan.tick_us() / 4 * COUNTS_PER_US {
+                    readings =
+                        readings.map(|reading| if reading == Reading::Missing { reading } else { Reading::Stale });
+                }
+                if self.input == FrontEndInput::Reference {
+                    scale_supplies(&mut readings);
+                }
+                return Some(readings);
+            }
+            if self.unchecked >= FRAMES_A_CHECK
+                && self.data_ready.leaves(counts(), (FRAME_US + ads131e06::VERIFY_US) * COUNTS_PER_US)
+            {
+                self.unchecked = 0;
+                self.fault = self.adc.verify(&mut CycleDelay).err().map(|_| Cause::AdcRegister);
+                // What was converted meanwhile is no frame: it was not streamed.
+                self.torn |= self.line.check_interrupt();
+            }
+        }
     }
 
-    /// Whether the pins have the levels that were put on them.
-    pub fn holds_levels(&mut self) -> bool {
+    fn apply(&mut self, tick: &Tick<ELEMENTS>) -> bool {
+        self.any_high = tick.heaters.0 != 0;
+        self.dead_man.decided(self.any_high);
+        let is_applied = self.heaters.apply(tick.heaters, &mut CycleDelay).is_ok();
+        let took = self.edge_at.map_or(0, |edge_at| counts().wrapping_sub(edge_at));
+        self.edge_to_pins = self.edge_to_pins.max(took);
+        is_applied
+    }
+
+    fn holds_levels(&mut self) -> bool {
         self.heaters.verify().is_ok()
     }
 
-    /// Lowers all heaters at once; returns whether any was high. If so, a tick begins anew, which
-    /// knows the low level only.
-    pub fn lower(&mut self) -> bool {
+    /// Of a tick that knows both levels nothing is kept.
+    fn lower(&mut self) -> bool {
         self.heaters.all_low().ok();
         self.dead_man.decided(false);
         if self.any_high && self.has_edge() {
@@ -292,7 +298,7 @@ impl AdcFrontEnd {
             self.data_ready.next(counts(), true);
         }
         if self.any_high {
-            self.restart();
+            self.begin_tick();
         }
         core::mem::take(&mut self.any_high)
     }
@@ -300,7 +306,7 @@ impl AdcFrontEnd {
     /// Has the converters read something else from now on, for a self-test. It begins a tick anew:
     /// the one that goes on is longer by as much as has passed of it, some 0.3 ms with the change.
     /// A converter that does not accept it reads missing, which the test reports.
-    pub fn select(&mut self, input: FrontEndInput) {
+    fn select(&mut self, input: FrontEndInput) {
         if self.connected == Some(input) || !self.usable {
             return;
         }
@@ -320,34 +326,19 @@ impl AdcFrontEnd {
         self.mean = SettledMean::new(self.plan);
     }
 
-    /// No reply: the levels are on the pins.
-    pub const fn reply(
-        &mut self,
-        _: &Instrument<ELEMENTS>,
-        _: &Tick<ELEMENTS>,
-        _: Option<&WindTick>,
-    ) -> Option<wire::FromBoard> {
-        None
-    }
-
-    /// No reply.
-    pub const fn reply_to_silence(&mut self) -> Option<wire::FromBoard> {
-        None
-    }
-
-    /// A new run begins with a whole tick.
-    pub fn restart(&mut self) {
-        self.mean.restart();
-        self.overran = false;
+    fn restart(&mut self) {
+        self.begin_tick();
+        self.edge_to_pins = 0;
     }
 
     /// Plans ticks of another length; an ADC that has to change its rate does so in 0.1 ms.
     ///
+    /// One that does not take its new rate is no error here: its readings are missing from now on,
+    /// which the guard sees.
+    ///
     /// # Errors
-    /// A period that is no whole number of conversions, or under four of them. An ADC that does not
-    /// take its new rate is no error here: its readings are missing from now on, which the guard
-    /// sees.
-    pub fn set_sample_period(&mut self, sample_period_s: f32) -> Result<(), ConfigError> {
+    /// A period that is no whole number of conversions, or under four of them.
+    fn set_sample_period(&mut self, sample_period_s: f32) -> Result<(), ConfigError> {
         let plan = TickPlan::from_seconds(sample_period_s)?;
         // An ADC that keeps its rate keeps the times of its conversions.
         if self.rate != Some(plan.rate()) {
@@ -366,8 +357,32 @@ impl AdcFrontEnd {
 
     /// Whether a conversion came before the tick was through, or was lost since the last time of
     /// asking.
-    pub fn overran(&mut self) -> bool {
+    fn overran(&mut self) -> bool {
         core::mem::take(&mut self.overran) || self.line.check_interrupt()
+    }
+
+    fn lost_conversions(&self) -> u32 {
+        self.lost
+    }
+
+    fn take_fault(&mut self) -> Option<Cause> {
+        self.fault.take()
+    }
+
+    fn edge_to_pins_us(&self) -> u32 {
+        self.edge_to_pins / COUNTS_PER_US
+    }
+
+    fn heaters_low(&mut self) {
+        heaters_low();
+    }
+
+    fn keep_lockout(&mut self, words: &LockoutWords) {
+        crash_memory::write_lockout(words);
+    }
+
+    fn acknowledge_crash(&mut self) {
+        halt::acknowledge();
     }
 }
 

@@ -52,7 +52,7 @@ const BAUD: u32 = 921_600;
 /// Bytes from the host that may wait: 5.5 ms of them.
 const RECEIVED: usize = 512;
 
-/// Twice the time of the longest frame: 320 bytes of 10.95 µs.
+/// More than twice the time of the longest frame: 256 bytes of 10.95 µs.
 const LONGEST_FRAME_US: u32 = 7_000;
 /// Recoveries without a frame that has left after which the transmitter is not well.
 const MOST_RECOVERIES: u8 = 3;

@@ -38,7 +38,7 @@ mod watchdog;
 mod watchdog_proof;
 
 pub use self::InterruptIdler as Idler;
-pub use clocks::{CLOCK_HZ, cycles};
+pub use clocks::CLOCK_HZ;
 pub use dead_man::acknowledge_dead_man;
 pub use front_end::{AdcFrontEnd as FrontEnd, ELEMENTS};
 pub use host_link::{
@@ -154,14 +154,6 @@ pub fn heaters_low() {
 /// taken once more (Arm DAI 0321A, "Memory barrier instructions").
 fn has_arrived() {
     cortex_m::asm::dsb();
-}
-
-/// Where the settings are kept, once more: for a flash that held something else, and whose first
-/// handle is gone with it.
-pub fn settings_flash() -> SectorFlash {
-    // SAFETY: only the settings server uses the registers of the flash, and only it calls this,
-    // when it has none.
-    SectorFlash::new(unsafe { pac::Peripherals::steal() }.FLASH)
 }
 
 /// The number of this processor (RM0090, 39.1).

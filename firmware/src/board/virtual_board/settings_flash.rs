@@ -98,7 +98,7 @@ impl ErrorType for FileFlash {
 }
 
 impl ReadNorFlash for FileFlash {
-    const READ_SIZE: usize = WORD;
+    const READ_SIZE: usize = 1;
 
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
         check_read(self, offset, bytes.len())?;

@@ -1,114 +1,118 @@
 use super::super::mock::Mock;
 use super::*;
-use dr_core::control::{GuardConfig, HardwareLimits, Refusal};
+use dr_core::control::{GuardConfig, HardwareLimits, Refusal, SelfTestFinding};
 use dr_core::{Command, Instrument};
-use wire::settings::{FORMAT, SettingValue};
+use wire::settings::{CHECK, FORMAT, command_bytes};
+use wire::{List, Name};
 
 type Server = SettingsServer<Mock<1024>>;
 
-fn guard(missing_limit_ticks: u32) -> Setting {
-    Setting::Command(Command::Guard(GuardConfig {
-        missing_limit_ticks,
-        unreachable_limit_ticks: 9,
-        stuck_limit_ticks: 0,
-    }))
+fn guard(missing_limit_ticks: u32) -> Command {
+    Command::Guard(GuardConfig { missing_limit_ticks, unreachable_limit_ticks: 9, stuck_limit_ticks: 0 })
 }
 
-fn store(server: &mut Server, key: KeyNumber, value: &[u8]) -> Result<SettingsReply, SettingsRefusal> {
-    let value = SettingValue::from_slice(value).unwrap();
-    server.answer(7, &SettingsRequest::Store { key, value }).result
+fn record(commands: &[Command]) -> Vec<u8> {
+    let mut record = Preface { telemetry_every: 3, ..Preface::default() }.bytes().unwrap().to_vec();
+    commands.iter().for_each(|command| record.extend(command_bytes(command).unwrap()));
+    record
 }
 
-fn keep(server: &mut Server, setting: &Setting) {
-    let done = store(server, setting.key().unwrap().number(), &setting.value().unwrap());
-    assert_eq!(done, Ok(SettingsReply::Done));
+/// Sends a record in pieces.
+fn send(server: &mut Server, record: &[u8]) -> Result<SettingsReply, SettingsRefusal> {
+    for (at, piece) in (0..).step_by(MOST_PIECE).zip(record.chunks(MOST_PIECE)) {
+        let bytes = Piece::from_slice(piece).unwrap();
+        server.answer(7, &SettingsRequest::Write { at, bytes }).result?;
+    }
+    let commit = SettingsRequest::Commit { length: record.len() as u16, crc: CHECK.checksum(record) };
+    assert_eq!(server.answer(8, &commit), server.answer(8, &commit), "a host may repeat it");
+    server.answer(9, &commit).result
 }
 
-/// Sets an instrument up by what is kept; what was left, with reasons.
-fn set_up(server: &mut Server, instrument: &mut Instrument<6>) -> Vec<(KeyNumber, Unusable)> {
-    let mut left = Vec::new();
-    server.begin();
+fn read(server: &mut Server, record: StoredRecord) -> Result<Vec<u8>, SettingsRefusal> {
+    let mut bytes = Vec::new();
     loop {
-        match server.next_piece() {
-            Next::Apply(key, Setting::Command(command)) => {
-                if let Err(refusal) = instrument.handle(command) {
-                    server.was_refused(key, Unusable::Refused(refusal));
-                    left.push((key, Unusable::Refused(refusal)));
-                }
-            }
-            Next::Apply(..) => {}
-            Next::Skip(key, why) => left.push((key, why)),
-            Next::Done { left: count, .. } => {
-                assert_eq!(usize::from(count), left.len());
-                return left;
-            }
+        let request = SettingsRequest::Read { record, at: bytes.len() as u16 };
+        match server.answer(1, &request).result? {
+            SettingsReply::Piece(piece) if piece.is_empty() => return Ok(bytes),
+            SettingsReply::Piece(piece) => bytes.extend(piece),
+            other => panic!("{other:?}"),
         }
     }
+}
+
+/// Sets an instrument up by what is stored.
+fn set_up(server: &mut Server, instrument: &mut Instrument<6>) -> Result<Preface, SettingsRefusal> {
+    let preface = server.begin()?;
+    while let Some(command) = server.next_command()? {
+        instrument.handle(command).map_err(|refusal| server.was_refused(refusal))?;
+    }
+    Ok(preface)
 }
 
 #[test]
 fn stored_settings_are_applied_in_order_at_the_next_start() {
     let mut server = Server::new(Mock::new());
-    keep(&mut server, &guard(3));
-    keep(&mut server, &Setting::Command(Command::SamplePeriod { sample_period_s: 0.02 }));
-    keep(&mut server, &guard(4));
-    let flash = server.store.as_mut().unwrap().flash_mut().again();
-    let (mut server, mut instrument) = (Server::new(flash), Instrument::new(&HardwareLimits::SIMULATED));
-    assert_eq!(set_up(&mut server, &mut instrument), []);
+    let mut instrument = Instrument::new(&HardwareLimits::SIMULATED);
+    assert_eq!(set_up(&mut server, &mut instrument), Ok(Preface::default()));
+    assert_eq!((read(&mut server, StoredRecord::Settings), server.applied()), (Ok(vec![]), 0));
+    let many: Vec<Command> = (0..40).map(guard).chain([Command::SamplePeriod { sample_period_s: 0.02 }]).collect();
+    send(&mut server, &record(&many)).unwrap();
+    assert_eq!(read(&mut server, StoredRecord::Settings), Ok(record(&many)));
+
+    let mut again = Server::new(server.flash.again());
+    assert_eq!(set_up(&mut again, &mut instrument).unwrap().telemetry_every, 3);
+    assert_eq!(again.applied(), 41);
     let mut expected = Instrument::<6>::new(&HardwareLimits::SIMULATED);
-    expected.handle(Command::SamplePeriod { sample_period_s: 0.02 }).unwrap();
-    expected
-        .handle(Command::Guard(GuardConfig {
-            missing_limit_ticks: 4,
-            unreachable_limit_ticks: 9,
-            stuck_limit_ticks: 0,
-        }))
-        .unwrap();
+    for command in [guard(39), Command::SamplePeriod { sample_period_s: 0.02 }] {
+        expected.handle(command).unwrap();
+    }
     assert_eq!(instrument, expected);
-    let load = server.answer(1, &SettingsRequest::Load);
-    assert_eq!(load, SettingsAnswer { to: 1, result: Ok(SettingsReply::Loaded { taken: 2, left: 0 }) });
+    for request in [SettingsRequest::Load, SettingsRequest::Check] {
+        assert_eq!(again.answer(1, &request), SettingsAnswer { to: 1, result: Ok(SettingsReply::Done) });
+    }
 }
 
 #[test]
-fn what_this_firmware_cannot_use_is_named_and_left_alone() {
+fn settings_that_this_firmware_cannot_use_are_named_and_those_before_stay() {
     let mut server = Server::new(Mock::new());
-    let (key, value) = (guard(3).key().unwrap().number(), guard(3).value().unwrap());
-    // As another firmware would have written it, past the server.
-    let mut of_a_later_format = value.clone();
+    let kept = record(&[guard(3)]);
+    send(&mut server, &kept).unwrap();
+    let mut of_a_later_format = kept.clone();
     of_a_later_format[0] = FORMAT + 1;
-    let period = Setting::Command(Command::SamplePeriod { sample_period_s: 100.0 });
-    let period_key = period.key().unwrap().number();
-    let written: [(KeyNumber, &[u8], Unusable); 4] = [
-        (key, &of_a_later_format, Unusable::Format { found: FORMAT + 1 }),
-        (0x7700, &value, Unusable::UnknownKey),
-        (key + 1, &value, Unusable::Misplaced),
-        (0x0500, &value[..4], Unusable::Damaged),
-    ];
-    for (key, value, why) in written {
-        assert_eq!(store(&mut server, key, value), Err(SettingsRefusal::Unusable(why)), "no host writes that");
-        server.store.as_mut().unwrap().write(key, value).unwrap();
+    for (record, why) in [
+        (of_a_later_format, Unusable::Format { found: FORMAT + 1 }),
+        (kept[..kept.len() - 1].to_vec(), Unusable::Damaged),
+        (record(&[Command::Start]), Unusable::Damaged),
+    ] {
+        assert_eq!(send(&mut server, &record), Err(SettingsRefusal::Unusable(why)));
+        assert_eq!(read(&mut server, StoredRecord::Settings), Ok(kept.clone()));
     }
-    // Readable, but 100 s is no sample period.
-    keep(&mut server, &period);
-    let mut instrument = Instrument::new(&HardwareLimits::SIMULATED);
-    let left = set_up(&mut server, &mut instrument);
-    assert_eq!(instrument, Instrument::new(&HardwareLimits::SIMULATED), "nothing of it has been used");
-    for (key, _, why) in written {
-        assert!(left.contains(&(key, why)), "{key:#x}");
-        let read = server.answer(1, &SettingsRequest::Read { key }).result;
-        assert!(matches!(read, Ok(SettingsReply::Value { unusable: Some(found), .. }) if found == why), "{read:?}");
-    }
-    let read = server.answer(1, &SettingsRequest::Read { key: period_key }).result;
-    let Ok(SettingsReply::Value { unusable: Some(Unusable::Refused(Refusal::Invalid { .. })), .. }) = read else {
-        panic!("{read:?}");
+    // They can be decoded, but 100 s is no sample period.
+    send(&mut server, &record(&[guard(4), Command::SamplePeriod { sample_period_s: 100.0 }])).unwrap();
+    let refused = set_up(&mut server, &mut Instrument::new(&HardwareLimits::SIMULATED)).unwrap_err();
+    let SettingsRefusal::Unusable(Unusable::Refused { number: 2, refusal: Refusal::Invalid { .. } }) = refused else {
+        panic!("{refused:?}");
     };
-    // All are found one after the other, and all go.
-    let (mut after, mut count) = (None, 0);
-    while let Ok(SettingsReply::Value { key, .. }) = server.answer(1, &SettingsRequest::Next { after }).result {
-        (after, count) = (Some(key), count + 1);
-    }
-    assert_eq!(count, 5);
-    assert_eq!(server.answer(1, &SettingsRequest::EraseAll).result, Ok(SettingsReply::Done));
-    assert_eq!(server.answer(1, &SettingsRequest::Next { after: None }).result, Ok(SettingsReply::Nothing));
+    assert_eq!(server.answer(1, &SettingsRequest::Check).result, Err(refused));
+    send(&mut server, &record(&[])).unwrap();
+    assert_eq!(set_up(&mut server, &mut Instrument::new(&HardwareLimits::SIMULATED)).map(drop), Ok(()));
     assert_eq!(server.answer(1, &SettingsRequest::Check).result, Ok(SettingsReply::Done));
+}
+
+#[test]
+fn a_requested_self_test_outlasts_a_start_and_that_of_a_start_costs_no_write() {
+    let mut server = Server::new(Mock::new());
+    let findings: List<_> = (0..16).map(|element| SelfTestFinding { element, ..SelfTestFinding::default() }).collect();
+    let requested = TestRecord { unix_s: Some(7), firmware: Name::new(), starts: 1, findings };
+    let started = TestRecord { unix_s: None, starts: 2, ..requested.clone() };
+    server.keep(&requested);
+    let spent = server.flash.spent;
+    server.keep(&requested);
+    server.keep(&started);
+    assert_eq!(server.flash.spent, spent);
+    let mut of = |record| TestRecord::read(&read(&mut server, record).unwrap());
+    assert_eq!((of(StoredRecord::Test), of(StoredRecord::TestAtStart)), (Ok(requested.clone()), Ok(started)));
+    let mut again = Server::new(server.flash.again());
+    assert_eq!(TestRecord::read(&read(&mut again, StoredRecord::Test).unwrap()), Ok(requested));
+    assert_eq!(read(&mut again, StoredRecord::TestAtStart), Ok(vec![]));
 }

@@ -29,10 +29,10 @@ use crate::instrument::link::BoardStream;
 const EMULATOR: &str = "qemu-system-arm";
 const EMULATOR_VARIABLE: &str = "ANEMO_QEMU";
 
-/// How long the emulator may take to connect, and to leave.
+/// Time that the emulator may take to connect, and to leave.
 const TIMEOUT: Duration = Duration::from_secs(20);
 
-/// How often to look whether the emulator still runs while it says nothing.
+/// Interval of looking whether the emulator still runs while it says nothing.
 const LOOK_EVERY: Duration = Duration::from_millis(200);
 
 /// Three sectors of 16 KiB.
@@ -48,7 +48,7 @@ pub struct Process {
     /// Says that somebody still needs the folder.
     _lock: File,
     child: Option<Child>,
-    /// How long the board may take to answer.
+    /// Time that the board may take to answer.
     pub timeout: Duration,
 }
 
@@ -182,7 +182,7 @@ impl Process {
         }
     }
 
-    /// What is behind an error on a link: an emulator that has ended, if it has.
+    /// Cause of an error on a link: an emulator that has ended, if it has.
     pub fn explain(&mut self, error: InstrumentError) -> InstrumentError {
         match error {
             InstrumentError::Silent(_) | InstrumentError::BoardLink(_) => {
@@ -210,7 +210,8 @@ impl Process {
         }
     }
 
-    /// What explains an end best: the emulator's own complaint, or else what the board logged last.
+    /// Best explanation of an end: the emulator's own complaint, or else what the board logged
+    /// last.
     fn last_words(&self) -> String {
         let errors = std::fs::read_to_string(self.folder.path().join("errors.txt")).unwrap_or_default();
         // A complaint may be followed by pages of registers.
@@ -221,8 +222,8 @@ impl Process {
         if last.is_empty() { "none".to_owned() } else { last.join(" | ") }
     }
 
-    /// What the board has logged. A log that cannot be decoded is no reason for a run to fail: it
-    /// is then one line.
+    /// Log of the board. A log that cannot be decoded is no reason for a run to fail: it is then
+    /// one line.
     fn log(&self) -> Vec<String> {
         decode(&self.firmware, &self.folder.path().join("log.defmt"))
             .unwrap_or_else(|reason| vec![format!("(the board's log cannot be read: {reason})")])
@@ -239,7 +240,7 @@ impl Drop for Process {
     }
 }
 
-/// Whether a file begins as a 32-bit little-endian ELF for ARM does.
+/// Tells whether a file begins as a 32-bit little-endian ELF for ARM does.
 fn is_arm_elf(path: &Path) -> bool {
     const MACHINE: std::ops::Range<usize> = 18..20;
     const ARM: [u8; 2] = [40, 0];
@@ -306,7 +307,7 @@ impl BoardStream for Pipe {
     }
 }
 
-/// How the folders' names begin.
+/// Beginning of the folders' names.
 const PREFIX: &str = "anemo-qemu-";
 const OWNER: &str = "owner.lock";
 const EMULATOR_NUMBER: &str = "emulator.pid";

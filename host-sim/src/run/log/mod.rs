@@ -1,6 +1,6 @@
 //! A log: rows of an instrument until somebody stops it.
 //!
-//! What ends a run is an event of a log. When the link is lost, or the board starts anew, the
+//! The end of a run is an event of a log. When the link is lost, or the board starts anew, the
 //! [`LogHost`] connects again and the log goes on in the same recording, whose times show the gap.
 //! After a reset or a trip it only records: heaters stay low until a person starts them.
 //!
@@ -23,28 +23,28 @@ use recording::text::count;
 use serde::Serialize;
 
 use super::error::{EarlyEnd, RunError};
-use crate::instrument::{InstrumentError, InstrumentPort, Observation};
+use crate::instrument::{InstrumentPort, Observation};
 
 pub use overheat::{alternate, set as hold};
 pub use session::log;
 
-/// What a log does by itself.
+/// Options of a log.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LogOptions {
     /// Time of the first row, s: a recording that is continued has one before.
     pub begin_s: f64,
-    /// Whether a trip ends the log.
+    /// A trip ends the log.
     pub ends_at_trip: bool,
-    /// Whether trips are acknowledged, at most two in ten minutes, and never for open, short or
+    /// Trips are acknowledged, at most two in ten minutes, and never for open, short or
     /// over-temperature. Heaters stay low.
     pub acknowledges: bool,
     /// Set-points are so far above the gas that the reference element measures, K.
     pub overheat_k: Option<f64>,
-    /// Of a recording that is continued: for how long it has no rows, s.
+    /// Gap of a recording that is continued: for how long it has no rows, s.
     pub continued: Option<f64>,
 }
 
-/// What a log needs of the program around it.
+/// Services that a log needs of the program around it.
 pub trait LogHost {
     /// Opens the instrument, at first and after it was lost.
     ///
@@ -52,7 +52,7 @@ pub trait LogHost {
     /// If it cannot be reached now.
     fn connect(&mut self) -> Result<Box<dyn InstrumentPort>, RunError>;
 
-    /// Whether an instrument that is lost can come back.
+    /// Tells whether an instrument that is lost can come back.
     fn reconnects(&self) -> bool;
 
     /// Time since the first row by the clock of the host, s; none where time passes with rows only.
@@ -77,7 +77,7 @@ pub trait LogHost {
     fn wait(&mut self) -> Result<(), RunError>;
 }
 
-/// What happened.
+/// Event.
 #[derive(Debug, Clone, PartialEq)]
 pub enum LogEvent {
     /// The instrument tripped.
@@ -115,7 +115,7 @@ impl fmt::Display for LogEvent {
     }
 }
 
-/// What a log can be asked for.
+/// Commands of a log.
 #[derive(Debug, Clone, PartialEq)]
 pub enum LogCommand {
     /// Allow heat for a while: a start, a set-point or a self-test.
@@ -143,16 +143,16 @@ pub enum LogCommand {
 
 /// A command, and who waits for its answer.
 pub struct LogRequest {
-    /// What is asked for.
+    /// Command.
     pub command: LogCommand,
     /// Takes the answer.
-    pub answer: Box<dyn FnOnce(Result<(), LogRefusal>)>,
+    pub answer: Box<dyn FnOnce(anyhow::Result<()>)>,
 }
 
-/// What a log amounted to.
+/// Summary of a log.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct LogSummary {
-    /// Of the experiment.
+    /// Title of the experiment.
     pub title: String,
     /// Name of the head.
     pub head: String,
@@ -164,15 +164,15 @@ pub struct LogSummary {
     pub duration_s: f64,
     /// Ticks of which no sample arrived, as far as the board counted on.
     pub lost: u64,
-    /// How often the link was lost.
+    /// Number of times that the link was lost.
     pub gaps: u32,
-    /// How often the board started anew.
+    /// Number of times that the board started anew.
     pub resets: u32,
     /// Trips.
     pub trips: u32,
     /// The last of them.
     pub last_trip: Option<String>,
-    /// What ended it, if nobody stopped it.
+    /// Cause of its end, if nobody stopped it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ended: Option<EarlyEnd>,
 }
@@ -188,48 +188,6 @@ impl fmt::Display for LogSummary {
     }
 }
 
-/// Why a log does not do what it is asked for.
-#[derive(Debug, thiserror::Error)]
-pub enum LogRefusal {
-    /// The board refuses, or the link fails.
-    #[error(transparent)]
-    Instrument(#[from] InstrumentError),
-    /// The experiment cannot be started.
-    #[error(transparent)]
-    Run(#[from] RunError),
-    /// The link is down, or the board is starting.
-    #[error("the board does not answer now")]
-    Deaf,
-    /// The head has none of this name.
-    #[error("`{0}` is no element of the head")]
-    NoElement(String),
-    /// No pressure of a gas: it stays as it was.
-    #[error("a pressure of {0} Pa is none of a gas: it stays")]
-    NoPressure(f64),
-    /// A set-point that the head does not allow: it stays as it was.
-    #[error("a set-point of {temperature_c:.2} °C is beyond the limit of {element}, {most_c} °C: it stays")]
-    BeyondLimit {
-        /// What was asked for, °C.
-        temperature_c: f64,
-        /// Of this element.
-        element: String,
-        /// What its head allows, °C.
-        most_c: f32,
-    },
-    /// Overheats that cannot alternate.
-    #[error(
-        "overheats of {high_k} and {low_k} K, each for {half_s} s, cannot alternate: they must descend to one above 0, and last whole sample periods"
-    )]
-    NoAlternation {
-        /// The first, K.
-        high_k: f64,
-        /// The second, K.
-        low_k: f64,
-        /// How long each was to last, s.
-        half_s: f64,
-    },
-}
-
 /// In so long, s …
 const WITHIN_S: f64 = 600.0;
 /// … at most so many.
@@ -240,8 +198,8 @@ const MOST: usize = 2;
 pub(super) struct Acknowledges(Vec<f64>);
 
 impl Acknowledges {
-    /// Whether a trip for this cause may be acknowledged now; counts it if so. What says that an
-    /// element is broken or was too hot never is.
+    /// Tells whether a trip for this cause may be acknowledged now; counts it if so. What says that
+    /// an element is broken or was too hot never is.
     pub fn grant(&mut self, cause: Cause, now_s: f64) -> bool {
         self.0.retain(|at_s| now_s - at_s < WITHIN_S);
         let is_granted = !matches!(cause, Cause::Open | Cause::Short | Cause::OverTemperature) && self.0.len() < MOST;

@@ -1,8 +1,8 @@
 //! Set-points above the gas, as its reference element measures it.
 
+use anyhow::{anyhow, bail};
 use dr_core::control::Drive;
 
-use super::LogRefusal;
 use crate::experiment::Experiment;
 use crate::instrument::Observation;
 use anemometry::head::HeadElement;
@@ -51,7 +51,7 @@ impl Overheat {
     }
 }
 
-/// Whether a drive holds one temperature, or two in turn.
+/// Tells whether a drive holds one temperature, or two in turn.
 pub(super) const fn holds(drive: &Drive) -> bool {
     matches!(drive, Drive::Temperature { .. } | Drive::Alternation { .. })
 }
@@ -61,11 +61,13 @@ pub(super) const fn holds(drive: &Drive) -> bool {
 ///
 /// # Errors
 /// If these are no two overheats, or no whole number of ticks.
-pub fn alternate(experiment: &mut Experiment, [high_k, low_k]: [f64; 2], half_s: f64) -> Result<(), LogRefusal> {
+pub fn alternate(experiment: &mut Experiment, [high_k, low_k]: [f64; 2], half_s: f64) -> anyhow::Result<()> {
     let ticks = half_s / experiment.sample_period_s;
     let is_whole = (1.0..=f64::from(u32::MAX)).contains(&ticks) && (ticks - ticks.round()).abs() < 1e-6 * ticks;
     if !(is_whole && low_k > 0.0 && high_k > low_k) {
-        return Err(LogRefusal::NoAlternation { high_k, low_k, half_s });
+        bail!(
+            "overheats of {high_k} and {low_k} K, each for {half_s} s, cannot alternate: they must descend to one above 0, and last whole sample periods"
+        );
     }
     for drive in &mut experiment.drives {
         if let Drive::Temperature { target_c } = *drive {
@@ -76,17 +78,21 @@ pub fn alternate(experiment: &mut Experiment, [high_k, low_k]: [f64; 2], half_s:
     Ok(())
 }
 
+/// Refusal of a set-point that the head does not allow.
+pub(super) fn beyond_limit(temperature_c: f64, element: &str, most_c: f32) -> anyhow::Error {
+    anyhow!("a set-point of {temperature_c:.2} °C is beyond the limit of {element}, {most_c} °C: it stays")
+}
+
 /// Gives every element that holds a temperature this one. One that alternates has it as its higher
 /// one, and the lower one as far below as before.
 ///
 /// # Errors
 /// If it is beyond an element's limit: all stay as they are.
-pub fn set(experiment: &mut Experiment, target_c: f64) -> Result<(), LogRefusal> {
+pub fn set(experiment: &mut Experiment, target_c: f64) -> anyhow::Result<()> {
     let held = || experiment.drives.iter().zip(&experiment.head.elements).filter(|(drive, _)| holds(drive));
     let most_c = |of: &HeadElement| of.config.hottest_set_point().0;
     if let Some((_, element)) = held().find(|(_, of)| target_c > f64::from(most_c(of))) {
-        let (element, most_c) = (element.name.clone(), most_c(element));
-        return Err(LogRefusal::BeyondLimit { temperature_c: target_c, element, most_c });
+        return Err(beyond_limit(target_c, &element.name, most_c(element)));
     }
     let target_c = target_c as f32;
     for drive in &mut experiment.drives {

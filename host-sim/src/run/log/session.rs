@@ -1,12 +1,13 @@
 //! The loop of a log.
 
+use anyhow::{Context, anyhow, ensure};
 use dr_core::Command;
 use dr_core::control::{Drive, Refusal, RunState, SelfTestFinding, Trip};
 use dr_core::wind::WindCommand;
 
 use super::overheat::{self, Overheat};
 use super::tick_time::TickTime;
-use super::{Acknowledges, LogCommand, LogEvent, LogHost, LogOptions, LogRefusal, LogRequest, LogSummary};
+use super::{Acknowledges, LogCommand, LogEvent, LogHost, LogOptions, LogRequest, LogSummary};
 use crate::experiment::Experiment;
 use crate::instrument::{InstrumentError, InstrumentPort, LinkReport, setup, why_it_started};
 use crate::run::error::{EarlyEnd, RunError};
@@ -52,9 +53,9 @@ struct Session<'a> {
     acknowledges: Acknowledges,
     first_s: Option<f64>,
     now_s: f64,
-    /// How many changes of the experiment's drives have been.
+    /// Number of changes of the experiment's drives so far.
     changes: usize,
-    /// Which life of which board.
+    /// Board and number of its life.
     life: Option<([u32; 3], u32)>,
     state: Option<RunState>,
     state_name: String,
@@ -143,7 +144,7 @@ impl<'a> Session<'a> {
                         self.tell(LogEvent::Mark(text));
                         answer(Ok(()));
                     }
-                    _ => answer(Err(LogRefusal::Deaf)),
+                    _ => answer(Err(anyhow!("the board does not answer now"))),
                 }
             }
             let Ok(mut instrument) = self.host.connect() else { continue };
@@ -326,12 +327,12 @@ impl<'a> Session<'a> {
         }
         instrument.command(setup::ARM)?;
         instrument.command(Command::Drive { element: element as u8, drive })?;
-        // What is armed would stay so for half a minute.
+        // An armed instrument would stay so for half a minute.
         instrument.command(Command::Disarm).map(drop)
     }
 
     /// Does what somebody asks for.
-    fn obey(&mut self, instrument: &mut dyn InstrumentPort, command: LogCommand) -> Result<(), LogRefusal> {
+    fn obey(&mut self, instrument: &mut dyn InstrumentPort, command: LogCommand) -> anyhow::Result<()> {
         match command {
             LogCommand::Mark(text) => self.tell(LogEvent::Mark(text)),
             LogCommand::Stop => drop(instrument.command(Command::Stop)?),
@@ -354,10 +355,10 @@ impl<'a> Session<'a> {
             LogCommand::SetPoint { element, temperature_c } => {
                 let names = self.experiment.head.names();
                 let place = names.iter().position(|name| *name == element);
-                let Some(place) = place else { return Err(LogRefusal::NoElement(element)) };
+                let place = place.with_context(|| format!("`{element}` is no element of the head"))?;
                 let (most_c, _) = self.experiment.head.elements[place].config.hottest_set_point();
                 if temperature_c.is_nan() || temperature_c > f64::from(most_c) {
-                    return Err(LogRefusal::BeyondLimit { temperature_c, element, most_c });
+                    return Err(overheat::beyond_limit(temperature_c, &element, most_c));
                 }
                 let drive = Drive::Temperature { target_c: temperature_c as f32 };
                 instrument.command(Command::Drive { element: place as u8, drive })?;
@@ -365,9 +366,8 @@ impl<'a> Session<'a> {
                 self.tell(LogEvent::Mark(format!("set-point of {element}: {temperature_c} °C")));
             }
             LogCommand::Pressure(pressure_pa) => {
-                if !(pressure_pa.is_finite() && pressure_pa > 0.0) {
-                    return Err(LogRefusal::NoPressure(pressure_pa));
-                }
+                let is_possible = pressure_pa.is_finite() && pressure_pa > 0.0;
+                ensure!(is_possible, "a pressure of {pressure_pa} Pa is none of a gas: it stays");
                 let calibration = self.experiment.head.calibration.as_ref();
                 let has_reference = calibration.is_some_and(|calibration| calibration.reference.is_some());
                 let temperature_c = (!has_reference).then_some(self.experiment.gas_temperature_c as f32);

@@ -28,7 +28,7 @@ pub const LOWEST: i32 = -0x80_0000;
 #[derive(Clone, Debug, Default)]
 pub struct Converter {
     next: Option<u64>,
-    /// Of the last three periods, the last one first.
+    /// Codes of the last three periods, the last one first.
     periods: [[i32; CHANNELS]; 3],
     fresh: bool,
 }

@@ -1,4 +1,4 @@
-//! What can go wrong with the converter.
+//! Faults of the converter.
 
 /// A fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -33,7 +33,7 @@ pub struct Adc {
     data_ready_low: bool,
     codes: [i32; CHANNELS],
     has_converted: bool,
-    /// What leaves, and how much of it has.
+    /// Frame that leaves, and how much of it has left.
     shift: Vec<u8>,
     left: usize,
     command: Vec<u8>,
@@ -43,7 +43,7 @@ pub struct Adc {
     reference_since: Option<u64>,
     fault: Option<AdcFault>,
     random: u32,
-    /// Of the frame that leaves, what the faults have made of it.
+    /// Bytes of the frame that leaves, what the faults have made of it.
     sent: [u8; FRAME_BYTES],
     /// Frames as they were on the bus, if somebody wants them.
     pub record: Option<Vec<[u8; FRAME_BYTES]>>,
@@ -91,17 +91,17 @@ impl Adc {
         self.registers.set(address, value);
     }
 
-    /// Whether data-ready is low.
+    /// Tells whether data-ready is low.
     pub const fn data_ready_low(&self) -> bool {
         self.data_ready_low
     }
 
-    /// Whether each conversion is sent as a frame; not while registers are read.
+    /// Tells whether each conversion is sent as a frame; not while registers are read.
     pub const fn streams(&self) -> bool {
         self.streams
     }
 
-    /// Whether chip select is low.
+    /// Tells whether chip select is low.
     pub const fn is_selected(&self) -> bool {
         self.is_selected
     }
@@ -250,7 +250,7 @@ impl Adc {
         answer
     }
 
-    /// What the faults make of a byte that is sent.
+    /// Disturbs a byte that is sent.
     fn disturb(&mut self, answer: u8) -> u8 {
         match self.fault {
             Some(AdcFault::Garbage) => {

@@ -14,7 +14,7 @@ const FIRST_CHANNEL: usize = 5;
 const AFTER_RESET: [u8; COUNT] =
     [0xd1, 0x91, 0xe0, 0x40, 0, 0x10, 0x10, 0x10, 0x10, 0x10, 0x10, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0];
 
-/// What a channel converts.
+/// Input of a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ChannelInput {
     /// Its pins.
@@ -55,12 +55,12 @@ impl AdcRegisters {
         32 << if rate > 6 { 6 } else { rate }
     }
 
-    /// Whether the internal reference is on.
+    /// Tells whether the internal reference is on.
     pub const fn has_reference(&self) -> bool {
         self.0[CONFIG3] >> 7 == 1
     }
 
-    /// What each channel converts.
+    /// Input of each channel.
     pub fn inputs(&self) -> [ChannelInput; CHANNELS] {
         std::array::from_fn(|channel| match self.0[FIRST_CHANNEL + channel] {
             0x10 => ChannelInput::Pins,

@@ -1,4 +1,4 @@
-//! Which register stands where, and whether it answers (RM0090, "Memory map").
+//! Addresses of registers, and whether they answer (RM0090, "Memory map").
 
 use super::{BUS_FUNCTION, BUS_PINS, Board, DATA_READY_PIN, DEBUG_CONTROL, LINE_FUNCTION, LINE_PINS, Sending};
 use crate::complaint::BrokenRule;
@@ -20,9 +20,9 @@ const CORE: u32 = 0xe000_0000;
 const CLOCK_PIN_HZ: [u64; 4] = [25_000_000, 75_000_000, 84_000_000, 84_000_000];
 
 impl Board {
-    /// Whether a peripheral's clock is on; its complaint if not. A clock that was just switched on
-    /// is not there for two cycles of AHB, or one and as many as one of APB has (ES0182, "Delay
-    /// after an RCC peripheral clock enabling"). A barrier takes longer than that.
+    /// Tells whether a peripheral's clock is on; its complaint if not. A clock that was just
+    /// switched on is not there for two cycles of AHB, or one and as many as one of APB has
+    /// (ES0182, "Delay after an RCC peripheral clock enabling"). A barrier takes longer than that.
     pub(super) fn is_clocked(&mut self, address: u32) -> bool {
         let (bus, bit, register) = match address & !0x3ff {
             0x4002_0000 => (0, 0, "GPIOA"),

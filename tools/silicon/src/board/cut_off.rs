@@ -8,7 +8,7 @@ pub const HOLDS: u64 = ms(1_050);
 /// Rising edges that have it up at -40 °C.
 const EDGES: u8 = 2;
 
-/// What the cut-off has of the pin.
+/// State of the pin at the cut-off.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PlatinumSupply {
     is_high: bool,

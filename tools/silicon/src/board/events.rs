@@ -1,4 +1,4 @@
-//! What is due by itself: conversions, timers, bytes, the watchdog.
+//! Events that are due by themselves: conversions, timers, bytes, the watchdog.
 
 use super::{Board, DATA_READY_PIN, PORT_B};
 use crate::processor::bus::MemoryJob;

@@ -64,7 +64,7 @@ const DEBUG_SLEEP: u32 = 1;
 /// DBGMCU_APB1_FZ, and in it the watchdog.
 const DEBUG_FREEZE: u32 = 0xe004_2008;
 const DEBUG_FREEZE_WATCHDOG: u32 = 1 << 12;
-/// What an access to a peripheral costs beside the instruction.
+/// Cost of an access to a peripheral beside the instruction.
 const ACCESS_CYCLES: u64 = 2;
 /// Longest way of a store to a peripheral of APB1, which runs at a quarter of the core's clock: two
 /// of its cycles, and the bridge. The core goes on meanwhile.
@@ -83,7 +83,7 @@ pub struct PinChange {
 #[derive(Clone, Debug)]
 pub struct Board {
     now: u64,
-    /// What is left of a cycle where the core's are longer than ours.
+    /// Rest of a cycle where the core's are longer than ours.
     remainder: u64,
     clocks: Clocks,
     next_event: u64,
@@ -134,14 +134,14 @@ pub struct Board {
     pub plant: SensorPlant,
     /// The other end of the line.
     pub host: HostLine,
-    /// What the firmware did wrong.
+    /// Complaints about the firmware.
     pub complaints: Complaints,
     /// Every change of the heaters.
     pub pins: Vec<PinChange>,
-    /// What holds them against the board's reports.
+    /// Witness that holds them against the board's reports.
     pub witness: HeaterWitness,
     platinum_supply: PlatinumSupply,
-    /// How often the platinum has been without its supply; once before the start.
+    /// Number of times that the platinum has been without its supply; once before the start.
     pub platinum_cuts: u32,
 }
 
@@ -246,7 +246,7 @@ impl Board {
         self.wire_converter();
     }
 
-    /// What wants a reset.
+    /// Reset that is pending.
     pub const fn pending_reset(&self) -> Option<ResetSource> {
         self.pending_reset
     }
@@ -394,7 +394,7 @@ impl Board {
         self.adc.disturb_register(address, value);
     }
 
-    /// Whether the processor pauses as soon as a frame has come for the host.
+    /// Tells whether the processor pauses as soon as a frame has come for the host.
     pub const fn pause_on_frames(&mut self, pauses: bool) {
         self.pauses_on_frames = pauses;
     }

@@ -5,8 +5,8 @@
 //! | SPI1_SR | all rounds that would find the same: a whole number of them, so that times are as if all had been emulated |
 //! | DWT_CYCCNT | 1/256 of the time waited so far, since nobody knows what it waits for: a delay is too long by so much at the most |
 //!
-//! What is due by itself comes in time. Without this, starting takes five times as long, and a run
-//! 1.4 times.
+//! Events that are due by themselves come in time. Without this, starting takes five times as long,
+//! and a run 1.4 times.
 
 /// The status of the converter's bus.
 const BUS_STATUS: u32 = 0x4001_3008;
@@ -32,7 +32,7 @@ impl WaitingLoop {
         let left_out = match register {
             BUS_STATUS => {
                 let left = bus_ends_at.map_or(0, |end| end.saturating_sub(now)).min(due);
-                // Of the first round nobody knows how long it is.
+                // Nobody knows the length of the first round.
                 left.checked_rem(now - before.last).map_or(0, |rest| left - rest)
             }
             CYCLE_COUNTER => ((now - before.began) / LENGTHENED_BY).min(due),

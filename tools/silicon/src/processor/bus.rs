@@ -1,4 +1,4 @@
-//! What the processor is connected to: the peripherals, as it sees them.
+//! Bus of the processor: the peripherals, as it sees them.
 
 use super::fault::FaultStatus;
 use super::mpu::Mpu;
@@ -8,21 +8,21 @@ use super::nvic::Nvic;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BusFault(pub u32);
 
-/// What a peripheral does with the memory by itself.
+/// Work of a peripheral on the memory by itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum MemoryJob {
     /// A byte that a stream of the DMA has brought.
     Store {
         /// Where it goes.
         address: u32,
-        /// What it is.
+        /// Byte that is written.
         byte: u8,
     },
     /// Bytes that a stream of the DMA takes; they are handed to [`ProcessorBus::fetched`].
     Fetch {
-        /// Of the first.
+        /// Address of the first.
         address: u32,
-        /// How many.
+        /// Number of bytes.
         length: u32,
     },
 }
@@ -41,7 +41,7 @@ pub trait ProcessorBus {
     /// If nothing answers.
     fn store(&mut self, address: u32, size: usize, value: u32) -> Result<(), BusFault>;
 
-    /// Whether the core holds all interrupts back, said before each of its stores.
+    /// Tells whether the core holds all interrupts back, said before each of its stores.
     fn holds_back(&mut self, _: bool) {}
 
     /// The core waits until all its stores have arrived (DSB).
@@ -53,7 +53,7 @@ pub trait ProcessorBus {
     /// Why the core has faulted.
     fn faults(&mut self) -> &mut FaultStatus;
 
-    /// What may be read, written and executed where.
+    /// Rights to read, write and execute.
     fn mpu(&self) -> &Mpu;
 
     /// Where the vectors stand.
@@ -74,7 +74,7 @@ pub trait ProcessorBus {
     /// When something is due next.
     fn next_event(&self) -> u64;
 
-    /// Whether something may have begun to wait, or to be due, since the last time of asking.
+    /// Tells whether something may have begun to wait, or to be due, since the last time of asking.
     fn needs_attention(&self) -> bool;
 
     /// Somebody has looked.
@@ -83,13 +83,13 @@ pub trait ProcessorBus {
     /// Until when the core stands still: its flash is busy, or it has no clock.
     fn stalled_until(&self) -> Option<u64>;
 
-    /// Whether the processor is to be reset.
+    /// Tells whether the processor is to be reset.
     fn wants_reset(&self) -> bool;
 
-    /// Whether whoever runs the processor wants to look at something.
+    /// Tells whether whoever runs the processor wants to look at something.
     fn wants_pause(&self) -> bool;
 
-    /// What waits to be done with the memory.
+    /// Jobs that wait for the memory.
     fn memory_jobs(&mut self) -> Vec<MemoryJob>;
 
     /// Bytes that a job has fetched.

@@ -1,4 +1,4 @@
-//! What a block of instructions costs: cycles of a Cortex-M4 without wait states.
+//! Cost of a block of instructions: cycles of a Cortex-M4 without wait states.
 //!
 //! Source: Cortex-M4 technical reference manual, "Instruction set summary", read for whole classes
 //! of instructions: 1 for most, 2 for a load, 1 + n for several registers, 3 for a block's branch

@@ -13,6 +13,7 @@ use super::bus::{BusFault, MemoryJob, ProcessorBus};
 use super::cycles::BlockCosts;
 use super::exception::{self, ENTRY_CYCLES, RETURN_CYCLES};
 use super::fault::{Fault, Purpose};
+use super::handler_times::HandlerTimes;
 use super::mpu::{ALL_RIGHTS, MemoryRights, Mpu};
 use super::nvic::HARD_FAULT;
 use std::ops::Range;
@@ -37,10 +38,10 @@ const MEMORIES: [Range<u64>; 3] = [RAM..RAM + RAM_BYTES as u64, FLASH..SETTINGS.
 /// Settings; ST's memory; peripherals; their aliases by bits; the core's own.
 const REGISTERS: [Range<u64>; 5] =
     [SETTINGS, SYSTEM_MEMORY, 0x4000_0000..0x4010_0000, 0x4200_0000..0x4400_0000, 0xe000_0000..0xe010_0000];
-/// What is charged for a sleep that ends at once, since something waits that a mask keeps from
-/// being handled: an idle task would go round and round.
+/// Charge for a sleep that ends at once, since something waits that a mask keeps from being
+/// handled: an idle task would go round and round.
 const FUTILE_SLEEP_CYCLES: u32 = 1_000;
-/// How Unicorn names the jump to a value that returns from an exception.
+/// Number by which Unicorn names the jump to a value that returns from an exception.
 const EXCEPTION_EXIT: u32 = 8;
 /// And a breakpoint, a place that is no code, an instruction of a coprocessor.
 const BREAKPOINT: u32 = 7;
@@ -80,7 +81,7 @@ pub enum Pause {
     Breakpoint,
 }
 
-/// What the hooks share with the loop.
+/// Surroundings that the hooks share with the loop.
 pub struct Surroundings<B> {
     bus: B,
     costs: BlockCosts,
@@ -102,7 +103,8 @@ pub struct Processor<B: ProcessorBus + 'static> {
     pub(super) is_locked: bool,
     pub(super) halts: bool,
     at_breakpoint: bool,
-    /// What the memories are protected by now.
+    pub(super) handler_times: HandlerTimes,
+    /// Protection of the memories now.
     protected_by: Mpu,
 }
 
@@ -187,15 +189,24 @@ impl<B: ProcessorBus + 'static> Processor<B> {
             unicorn.emu_stop().ok();
         })?;
         let protected_by = Mpu::default();
-        Ok(Self { unicorn, is_asleep: false, is_locked: false, halts: false, at_breakpoint: false, protected_by })
+        let handler_times = HandlerTimes::default();
+        Ok(Self {
+            unicorn,
+            is_asleep: false,
+            is_locked: false,
+            halts: false,
+            at_breakpoint: false,
+            handler_times,
+            protected_by,
+        })
     }
 
-    /// What is around it.
+    /// Bus around it.
     pub fn bus(&self) -> &B {
         &self.unicorn.get_data().bus
     }
 
-    /// What is around it.
+    /// Bus around it.
     pub fn bus_mut(&mut self) -> &mut B {
         &mut self.unicorn.get_data_mut().bus
     }
@@ -211,6 +222,7 @@ impl<B: ProcessorBus + 'static> Processor<B> {
     /// If Unicorn fails.
     pub fn start(&mut self) -> Result<(), ProcessorError> {
         (self.is_asleep, self.is_locked) = (false, false);
+        self.handler_times.abandon();
         for register in [RegisterARM::PRIMASK, RegisterARM::BASEPRI, RegisterARM::FAULTMASK, RegisterARM::CONTROL] {
             self.unicorn.reg_write(register, 0)?;
         }
@@ -321,7 +333,8 @@ impl<B: ProcessorBus + 'static> Processor<B> {
         Ok(())
     }
 
-    /// What Unicorn leaves to us: returns from exceptions, and instructions that are faults here.
+    /// Exceptions that Unicorn leaves to us: returns from exceptions, and instructions that are
+    /// faults here.
     fn unicorn_exception(&mut self, number: u32) -> Result<(), ProcessorError> {
         if number == BREAKPOINT && self.halts {
             self.at_breakpoint = true;
@@ -342,6 +355,8 @@ impl<B: ProcessorBus + 'static> Processor<B> {
                 bus.settle();
                 bus.nvic().leave(ended);
                 bus.spend(RETURN_CYCLES);
+                let now = bus.now();
+                self.handler_times.leave(ended, now);
                 Ok(())
             }
             Err(_) => self.frame_fault(),
@@ -370,6 +385,8 @@ impl<B: ProcessorBus + 'static> Processor<B> {
     fn enter(&mut self, exception: u16) -> Result<(), ProcessorError> {
         let handler = self.word(self.bus().vector_table() + 4 * u32::from(exception))?;
         let entered = exception::enter(&mut self.unicorn, exception, handler);
+        let now = self.bus().now();
+        self.handler_times.enter(exception, now);
         let bus = self.bus_mut();
         bus.nvic().enter(exception);
         bus.spend(ENTRY_CYCLES);
@@ -439,7 +456,7 @@ fn system_memory(address: u32, size: usize) -> u32 {
     (0..size as u64).rev().fold(0, |word, i| word << 8 | u32::from(byte(i)))
 }
 
-/// Whether it is a register of the core, which is outside of the memory protection.
+/// Tells whether it is a register of the core, which is outside of the memory protection.
 const fn is_core(address: u32) -> bool {
     address >> 20 == 0xe00
 }

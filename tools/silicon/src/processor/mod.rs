@@ -19,6 +19,7 @@ mod cycles;
 mod engine;
 mod exception;
 pub mod fault;
+mod handler_times;
 pub mod mpu;
 pub mod nvic;
 mod probe;
@@ -27,5 +28,6 @@ mod system_control;
 mod systick;
 
 pub use engine::{Pause, Processor, ProcessorError};
+pub use handler_times::HandlerTimes;
 pub use registers::CoreRegisters;
 pub use system_control::SystemControl;

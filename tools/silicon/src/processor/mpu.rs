@@ -20,7 +20,7 @@ const NO_REGION_FIELD: u32 = !0x1f;
 /// A region of 32 bytes; smaller ones there are not.
 const LEAST_SIZE: u32 = 5;
 
-/// What may be done at an address.
+/// Rights at an address.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MemoryRights {
     /// Loads.
@@ -68,7 +68,7 @@ pub struct Mpu {
 }
 
 impl Mpu {
-    /// What may be done at an address.
+    /// Rights at an address.
     pub fn rights(&self, address: u32) -> MemoryRights {
         if self.control & ENABLE == 0 {
             return ALL_RIGHTS;
@@ -90,7 +90,7 @@ impl Mpu {
         self.control & PROTECTS_FAULTS != 0
     }
 
-    /// Whether every region has a size that there is, and begins at a multiple of it.
+    /// Tells whether every region has a size that there is, and begins at a multiple of it.
     pub fn is_valid(&self) -> bool {
         self.regions.iter().filter(|region| region.is_enabled()).all(|region| {
             let bits = region.size_bits();

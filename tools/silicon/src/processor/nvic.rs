@@ -1,5 +1,4 @@
-//! Which exceptions wait, which run, and which goes first (ARMv7-M architecture, "Exception
-//! model").
+//! Exceptions that wait and run, and their order (ARMv7-M architecture, "Exception model").
 //!
 //! Exceptions go by their numbers: 2 NMI, 3 hard fault, 14 PendSV, 15 SysTick, 16 + n interrupt n.
 //! A lower priority value goes first; of equal ones, the lower number. The STM32F405 keeps the
@@ -36,7 +35,7 @@ pub struct Nvic {
     priority: [u8; EXCEPTIONS],
     /// The last one runs, the others were interrupted.
     active: Vec<u16>,
-    /// What has been entered and left, if somebody wants it.
+    /// Exceptions that have been entered and left, if somebody wants it.
     pub trace: Option<Vec<ExceptionStep>>,
 }
 
@@ -87,7 +86,7 @@ impl Nvic {
         self.active.iter().map(|&exception| self.priority_of(exception)).min().unwrap_or(THREAD_PRIORITY)
     }
 
-    /// Whether something waits that would wake a sleeping core.
+    /// Tells whether something waits that would wake a sleeping core.
     pub const fn wakes(&self) -> bool {
         self.pending & self.enabled != 0
     }

@@ -1,7 +1,8 @@
-//! What a debug probe could do: look into memory and registers, and change them.
+//! Access of a debug probe: look into memory and registers, and change them.
 
 use super::bus::ProcessorBus;
 use super::engine::{Processor, ProcessorError, RAM, RAM_BYTES};
+use super::handler_times::HandlerTimes;
 use super::registers::CoreRegisters;
 use unicorn_engine::{HookType, RegisterARM};
 
@@ -38,7 +39,7 @@ impl<B: ProcessorBus + 'static> Processor<B> {
         Ok(self.unicorn.mem_write(RAM, bytes)?)
     }
 
-    /// Whether it sleeps, whether it has given up, and all registers.
+    /// Tells whether it sleeps, whether it has given up, and all registers.
     ///
     /// # Errors
     /// If Unicorn fails.
@@ -52,6 +53,7 @@ impl<B: ProcessorBus + 'static> Processor<B> {
     /// If Unicorn fails.
     pub fn set_state(&mut self, state: &(bool, bool, CoreRegisters)) -> Result<(), ProcessorError> {
         (self.is_asleep, self.is_locked) = (state.0, state.1);
+        self.handler_times.abandon();
         let around = self.unicorn.get_data_mut();
         (around.exception, around.refused, around.is_masked) = (None, None, false);
         Ok(state.2.write(&mut self.unicorn)?)
@@ -88,6 +90,16 @@ impl<B: ProcessorBus + 'static> Processor<B> {
         })?;
         // Code that was translated before asks no hook.
         Ok(self.unicorn.ctl_flush_tb()?)
+    }
+
+    /// Longest times of the handlers so far.
+    pub const fn handler_times(&self) -> &HandlerTimes {
+        &self.handler_times
+    }
+
+    /// Measures the handlers anew.
+    pub fn forget_handler_times(&mut self) {
+        self.handler_times = HandlerTimes::default();
     }
 
     /// Number of the exception that is handled; 0 outside of all handlers.

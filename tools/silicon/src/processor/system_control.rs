@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 /// Writing this to the upper half of AIRCR makes the write count.
 const AIRCR_KEY: u32 = 0x05fa;
 const SYSRESETREQ: u32 = 1 << 2;
-/// What AIRCR reads as: the key's opposite number.
+/// Value that AIRCR reads as: the key's opposite number.
 const AIRCR: u32 = 0xfa05_0000;
 /// CP10 and CP11 in CPACR, the floating-point unit; there are no other coprocessors.
 const CPACR_FPU: u32 = 0xf << 20;
@@ -31,7 +31,7 @@ pub struct SystemControl {
     pub nvic: Nvic,
     /// Why the core has faulted.
     pub faults: FaultStatus,
-    /// What may be read, written and executed where.
+    /// Rights to read, write and execute.
     pub mpu: Mpu,
     /// Its timer.
     pub systick: SysTick,

@@ -1,17 +1,17 @@
-//! What a peripheral knows at an access: the time, its clocks, and where to complain.
+//! Circumstances of an access to a peripheral: the time, its clocks, and where to complain.
 
 use crate::complaint::{BrokenRule, Complaints};
 
 /// Frequencies of the buses, Hz; zero is a clock that has failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Clocks {
-    /// Of the core and AHB.
+    /// Clock of the core and AHB.
     pub core_hz: u64,
-    /// Of APB1.
+    /// Clock of APB1.
     pub apb1_hz: u64,
-    /// Of APB2.
+    /// Clock of APB2.
     pub apb2_hz: u64,
-    /// Of the timers on APB1.
+    /// Clock of the timers on APB1.
     pub timers1_hz: u64,
 }
 

@@ -23,7 +23,7 @@ const FLAGS: u32 = 0x3d;
 const FIFO_AFTER_RESET: u32 = 0x21;
 /// Where a stream's flags stand in its status register, by the stream's number modulo four.
 const SHIFTS: [u32; 4] = [0, 6, 16, 22];
-/// What may change while a stream runs: its enable and its interrupts.
+/// Bits that may change while a stream runs: its enable and its interrupts.
 const CHANGES_WHILE_ON: u32 = 0x1f;
 
 #[derive(Clone, Copy, Debug)]
@@ -55,9 +55,9 @@ pub struct Dma {
 /// A stream has begun to send.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SendingBegins {
-    /// Of the first byte.
+    /// Address of the first byte.
     pub address: u32,
-    /// How many.
+    /// Number of bytes.
     pub length: u32,
 }
 
@@ -91,7 +91,7 @@ impl Dma {
         (self.sticks, self.sticks_for_ever) = (true, for_ever);
     }
 
-    /// Whether a stream is enabled.
+    /// Tells whether a stream is enabled.
     pub const fn is_enabled(&self, stream: usize) -> bool {
         self.streams[stream].control & ENABLE != 0
     }
@@ -181,7 +181,8 @@ impl Dma {
 }
 
 impl Stream {
-    /// Whether channel, direction and address are those of the line; direction 0 is to memory.
+    /// Tells whether channel, direction and address are those of the line; direction 0 is to
+    /// memory.
     const fn fits(&self, direction: u32) -> bool {
         self.control >> 25 & 7 == CHANNEL
             && self.control >> 6 & 3 == direction

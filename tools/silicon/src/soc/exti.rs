@@ -1,8 +1,8 @@
 //! External interrupts: an edge on a pin makes an interrupt wait (RM0090, "EXTI", "SYSCFG").
 
-/// Of EXTI lines 0 to 4, which have an interrupt each.
+/// Interrupt of EXTI lines 0 to 4, which have an interrupt each.
 const FIRST_INTERRUPT: u16 = 6;
-/// Of the voltage detector, which has a line of its own.
+/// Interrupt of the voltage detector, which has a line of its own.
 const SUPPLY_INTERRUPT: u16 = 1;
 const SUPPLY_LINE: u32 = 16;
 

@@ -51,7 +51,7 @@ pub struct Flash {
     keys_seen: usize,
     is_dead: bool,
     busy_until: u64,
-    /// What is being written or erased until then: where, and what stood there.
+    /// Write or erase that lasts until then: where, and what stood there.
     under_way: Option<(usize, Vec<u8>)>,
     /// The data cache may hold what stood in the sectors before an erase.
     is_stale: bool,
@@ -66,9 +66,9 @@ pub struct Flash {
     pub options: u32,
     /// They stay what they are, whatever is programmed.
     pub options_are_stuck: bool,
-    /// How often they were programmed.
+    /// Number of times that they were programmed.
     pub option_writes: u32,
-    /// How long the erase of a sector takes.
+    /// Time that the erase of a sector takes.
     pub erase_time: u64,
     /// The busy bit stays set, though nothing is under way.
     pub is_stuck_busy: bool,

@@ -36,17 +36,17 @@ impl GpioPort {
         (0..16).fold(0, |pins, pin| pins | u32::from(floats(pin)) << pin)
     }
 
-    /// Whether a pin drives itself.
+    /// Tells whether a pin drives itself.
     pub const fn is_output(&self, pin: u32) -> bool {
         self.modes >> (2 * pin) & 3 == 1
     }
 
-    /// Whether a pin is driven low by its own output.
+    /// Tells whether a pin is driven low by its own output.
     pub const fn drives_low(&self, pin: u32) -> bool {
         self.is_output(pin) && self.output >> pin & 1 == 0
     }
 
-    /// Whether a pin belongs to this alternate function.
+    /// Tells whether a pin belongs to this alternate function.
     pub const fn has_function(&self, pin: u32, function: u32) -> bool {
         self.modes >> (2 * pin) & 3 == 2 && self.alternate[(pin / 8) as usize] >> (4 * (pin % 8)) & 0xf == function
     }

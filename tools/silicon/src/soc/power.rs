@@ -14,7 +14,7 @@ pub const PROGRAMMING_MV: u32 = 2_700;
 const DETECTOR_MV: [u32; 8] = [2_040, 2_190, 2_350, 2_510, 2_660, 2_840, 2_930, 3_030];
 /// Brown-out, by BOR_LEV, falling: 00 is level 3, 11 leaves the power-down reset alone.
 const BROWN_OUT_MV: [u32; 4] = [2_830, 2_500, 2_190, POWER_DOWN_MV];
-/// Of detector and brown-out reset.
+/// Hysteresis of detector and brown-out reset.
 const HYSTERESIS_MV: u32 = 100;
 const POWER_DOWN_MV: u32 = 1_680;
 const RAM_KEEPS_MV: u32 = 800;
@@ -55,12 +55,12 @@ impl Power {
         self.supply_mv
     }
 
-    /// Whether the processor is held in reset.
+    /// Tells whether the processor is held in reset.
     pub const fn holds_reset(&self) -> bool {
         self.holds_reset
     }
 
-    /// Whether RAM keeps its content in a reset that the supply causes now.
+    /// Tells whether RAM keeps its content in a reset that the supply causes now.
     pub const fn keeps_ram(&self) -> bool {
         self.holds_reset && self.supply_mv >= RAM_KEEPS_MV
     }

@@ -139,7 +139,7 @@ impl Rcc {
         notices
     }
 
-    /// Whether the clock security system holds the non-maskable interrupt.
+    /// Tells whether the clock security system holds the non-maskable interrupt.
     pub const fn security_interrupt(&self) -> bool {
         self.interrupt & CSSF != 0
     }

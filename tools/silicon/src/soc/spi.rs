@@ -19,7 +19,7 @@ const BUSY: u32 = 1 << 7;
 pub struct SpiByte {
     /// When its last bit was through.
     pub at: u64,
-    /// What went out.
+    /// Byte that went out.
     pub sent: u8,
     /// Clock polarity and phase, as CPOL << 1 | CPHA.
     pub mode: u32,
@@ -44,7 +44,7 @@ impl Spi {
         apb2_hz >> (1 + (self.control >> 3 & 7))
     }
 
-    /// Whether a byte is on its way.
+    /// Tells whether a byte is on its way.
     pub const fn is_shifting(&self) -> bool {
         self.shifting.is_some()
     }
@@ -63,7 +63,7 @@ impl Spi {
         Some(SpiByte { at, sent, mode, clock_hz })
     }
 
-    /// What the device has answered.
+    /// Takes the answer of the device.
     pub fn answer(&mut self, byte: u8, access: &mut Access<'_>) {
         if self.received.is_some() {
             self.overrun = true;

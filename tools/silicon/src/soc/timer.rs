@@ -30,7 +30,7 @@ pub struct Timer {
     capture_mode: u32,
     channels: u32,
     remap: u32,
-    /// As written, until an update takes it over.
+    /// Value as written, until an update takes it over.
     next_prescaler: u32,
     prescaler: u32,
     compare: u32,
@@ -105,7 +105,7 @@ impl Timer {
         }
     }
 
-    /// Whether it holds its interrupt.
+    /// Tells whether it holds its interrupt.
     pub const fn line(&self) -> bool {
         self.status & self.interrupts & COMPARED != 0
     }

@@ -54,12 +54,12 @@ impl Default for Usart {
 }
 
 impl Usart {
-    /// What a byte takes, in core cycles.
+    /// Time that a byte takes, in core cycles.
     pub const fn byte_time(&self, apb1_hz: u64) -> u64 {
         if apb1_hz == 0 { u64::MAX / 1024 } else { periods(10 * self.baud_divider as u64, apb1_hz) }
     }
 
-    /// Whether the DMA may hand it bytes.
+    /// Tells whether the DMA may hand it bytes.
     pub const fn transmits(&self) -> bool {
         self.control[0] & (ENABLE | TRANSMITTER) == ENABLE | TRANSMITTER && self.control[2] & DMA_TRANSMITS != 0
     }
@@ -111,7 +111,7 @@ impl Usart {
         }
     }
 
-    /// Whether it holds its interrupt.
+    /// Tells whether it holds its interrupt.
     pub const fn line(&self) -> bool {
         let [one, _, three] = self.control;
         one & IDLE_INTERRUPT != 0 && self.status & IDLE != 0
@@ -145,7 +145,7 @@ impl Usart {
     /// Writes a register.
     pub const fn store(&mut self, offset: u32, value: u32) {
         match offset {
-            // Those that are cleared by writing a zero.
+            // Flags that are cleared by writing a zero.
             0x00 => self.status &= value | !(COMPLETE | NOT_EMPTY),
             0x08 => self.baud_divider = value & 0xffff,
             0x0c => self.control[0] = value,

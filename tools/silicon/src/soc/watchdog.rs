@@ -53,7 +53,7 @@ impl IndependentWatchdogModel {
         }
     }
 
-    /// Whether its registers may be written.
+    /// Tells whether its registers may be written.
     pub const fn is_unlocked(&self) -> bool {
         self.is_open
     }

@@ -31,8 +31,8 @@ const GIVEN_UP: u64 = 2_000_000_000;
 
 const CORE_HZ: u64 = 168_000_000;
 
-/// What the virtual board has beside its core: registers that read as zero, and transmitters that
-/// are always ready, as in the emulator.
+/// Peripherals of the virtual board beside its core: registers that read as zero, and transmitters
+/// that are always ready, as in the emulator.
 #[derive(Default)]
 struct BareBoard {
     /// SysTick counts.
@@ -129,11 +129,11 @@ impl ProcessorBus for BareBoard {
     fn fetched(&mut self, _: &[u8]) {}
 }
 
-/// What a run has come to.
+/// Result of a run.
 #[derive(Debug, PartialEq, Eq)]
 pub struct ImageRun {
     steps: Vec<ExceptionStep>,
-    /// What it has written to the host.
+    /// Bytes that it has written to the host.
     pub bytes: Vec<u8>,
 }
 
@@ -274,9 +274,8 @@ fn conversation() -> Vec<u8> {
     }
     messages.extend([ToBoard::Silence, ToBoard::Silence, ToBoard::Silence]);
     messages.push(ToBoard::Command(BoardCommand::Acknowledge));
-    let setting = wire::Setting::TelemetryEvery(3);
-    let key = setting.key().unwrap().number();
-    messages.push(ToBoard::Settings(wire::SettingsRequest::Store { key, value: setting.value().unwrap() }));
+    let requests = host_sim::settings::write_requests(&crate::settings::every(3)).unwrap();
+    messages.extend(requests.into_iter().map(ToBoard::Settings));
     messages.push(ToBoard::Provoke(Provocation::Fault));
     let frames =
         (1..).zip(&messages).map(|(number, message)| encode(number, message, &mut [0; MAX_FRAME]).unwrap().to_vec());

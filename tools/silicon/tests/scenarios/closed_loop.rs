@@ -28,7 +28,7 @@ fn an_element_is_held_at_its_temperature() {
     let mean_c = held.iter().sum::<f32>() / held.len() as f32;
     assert!((mean_c - warmer_c).abs() < 0.01, "{mean_c} for {warmer_c}");
     assert!(held.iter().all(|temperature_c| (temperature_c - warmer_c).abs() < 0.1), "{held:?}");
-    // What the board says is what the simulation knows.
+    // The board says what the simulation knows.
     let truth_c = rig.machine().board().plant.truth().element_temperature_c[0] as f32;
     assert!((truth_c - warmer_c).abs() < 0.1, "{truth_c}");
 }

@@ -23,8 +23,7 @@ pub fn heat(rig: &Rig) {
     assert_eq!(rig.machine().board().heaters(), 1);
 }
 
-/// What the board says of itself after a reset: why it has started, and why it keeps its heaters
-/// low.
+/// Messages of the board after a reset: why it has started, and why it keeps its heaters low.
 pub fn after_reset(rig: &Rig) -> (wire::Identity, Option<Cause>) {
     let mut instrument = rig.instrument();
     let identity = instrument.identity().clone();

@@ -15,10 +15,11 @@ use silicon::time::us;
 use wire::{Crash, CrashKind};
 
 /// Tasks and their exceptions, as `firmware/src/main.rs` binds them; 0 is the idle loop.
-const TASKS: [(&str, u16); 9] = [
+const TASKS: [(&str, u16); 10] = [
     ("idle", 0),
     ("dead_man", FIRST_INTERRUPT + 50),
     ("control", FIRST_INTERRUPT + 10),
+    ("estimate", FIRST_INTERRUPT + 53),
     ("receive", FIRST_INTERRUPT + 38),
     ("filled", FIRST_INTERRUPT + 16),
     ("transmit", FIRST_INTERRUPT + 51),

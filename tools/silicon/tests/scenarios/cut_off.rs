@@ -1,6 +1,7 @@
 //! The cut-off of the platinum's supply: what is left when pins and watchdog lower nothing.
 
 use crate::rig::{Rig, experiment};
+use crate::settings::ERASE;
 use dr_core::Command;
 use dr_core::control::{Cause, RunState};
 use host_sim::experiment::Experiment;
@@ -8,7 +9,6 @@ use host_sim::instrument::{InstrumentPort, SettingsPort};
 use host_sim::run::start;
 use silicon::board::HOLDS;
 use silicon::time::ms;
-use wire::SettingsRequest;
 
 /// A cold sector that is heated in every tick of 10 ms.
 fn heated() -> Rig {
@@ -60,7 +60,7 @@ fn a_debugger_that_stops_the_watchdog_does_not_keep_a_heater_on() {
     assert_eq!(heaters(&rig), (1, 0));
 }
 
-/// The longest time in which nothing moves: three sectors are erased, half a second each.
+/// The longest time in which nothing moves: a sector is erased for half a second.
 #[test]
 fn the_supply_stays_while_the_settings_are_erased() {
     let rig = heated();
@@ -69,8 +69,7 @@ fn the_supply_stays_while_the_settings_are_erased() {
     instrument.command(Command::Stop).unwrap();
     rig.machine().run_for(ms(50)).unwrap();
     rig.machine().board_mut().flash.erase_time = ms(500);
-    rig.machine().board_mut().flash.settings.fill(0x5a);
-    instrument.ask_settings(&SettingsRequest::EraseAll).unwrap();
+    instrument.ask_settings(&ERASE).unwrap();
     rig.machine().run_for(ms(500)).unwrap();
     assert_eq!(rig.machine().board().platinum_cuts, cuts);
     assert_eq!(rig.machine().board().witness.state(), Some(RunState::Standby));

@@ -1,5 +1,5 @@
-//! What the board decides and reports is what a controller in this process makes of the same
-//! readings, to the bit; noise on the line does not reach into that.
+//! The board decides and reports what a controller in this process makes of the same readings, to
+//! the bit; noise on the line does not reach into that.
 //!
 //! Readings of a board that samples a sensor in its own time are not those of a simulation in
 //! lock-step. So those that this board has read are taken from its converter's bus, put together to
@@ -29,7 +29,7 @@ fn codes(frame: &[u8; FRAME_BYTES]) -> [i32; CHANNELS] {
     std::array::from_fn(|channel| code(channel) - OFFSET_CODES[channel])
 }
 
-/// What a controller in this process reports of these conversions, tick by tick.
+/// Reports of a controller in this process of these conversions, tick by tick.
 fn replayed(experiment: &Experiment, frames: &[[u8; FRAME_BYTES]]) -> impl Iterator<Item = TickReport> {
     let plan = TickPlan::from_seconds(experiment.sample_period_s as f32).unwrap();
     let mut mean = SettledMean::<CHANNELS>::new(plan);

@@ -62,7 +62,7 @@ fn conversions_that_are_served_too_late_are_dropped_and_counted() {
     start(&experiment, &mut instrument).unwrap();
     rig.machine().run_for(ms(1_200)).unwrap();
     let status = Box::new(instrument).finish().unwrap().status.unwrap();
-    assert!((1..100).contains(&status.lost_conversions), "{}", status.lost_conversions);
+    assert!((1..100).contains(&status.control.lost_conversions), "{}", status.control.lost_conversions);
     rig.assert_no_complaint();
 }
 
@@ -84,7 +84,12 @@ fn a_frame_that_was_torn_is_dropped_with_the_conversion_that_tore_it() {
     assert!(torn.rule == BrokenRule::AdcFrameAcrossUpdate && torn.times > 5, "{torn}");
     // Two conversions for a hold that tore one, at least one for any other.
     let status = Box::new(instrument).finish().unwrap().status.unwrap();
-    assert!(status.lost_conversions >= 200 + torn.times, "{} of {}", status.lost_conversions, torn.times);
+    assert!(
+        status.control.lost_conversions >= 200 + torn.times,
+        "{} of {}",
+        status.control.lost_conversions,
+        torn.times
+    );
 }
 
 /// The same in the middle of a read-back of the registers, where no frame is made of a conversion.
@@ -103,7 +108,7 @@ fn a_conversion_that_came_while_registers_were_read_is_dropped() {
     }
     rig.machine().run_for(ms(1_200)).unwrap();
     let status = Box::new(instrument).finish().unwrap().status.unwrap();
-    assert!((40..200).contains(&status.lost_conversions), "{}", status.lost_conversions);
+    assert!((40..200).contains(&status.control.lost_conversions), "{}", status.control.lost_conversions);
     rig.assert_no_complaint();
 }
 
@@ -112,10 +117,14 @@ fn a_dead_data_line_is_counted() {
     let (rig, instrument) = heating();
     rig.machine().board_mut().set_adc_fault(Some(AdcFault::Dead));
     rig.machine().run_for(ms(2_000)).unwrap();
-    // Of 4 000 a second, until the last status.
+    // Limit of 4 000 a second, until the last status.
     let status = Box::new(instrument).finish().unwrap().status.unwrap();
     let conversions = rig.machine().board().adc.conversions;
-    assert!((3_900..conversions).contains(&status.lost_conversions.into()), "{}", status.lost_conversions);
+    assert!(
+        (3_900..conversions).contains(&status.control.lost_conversions.into()),
+        "{}",
+        status.control.lost_conversions
+    );
     rig.assert_no_complaint();
 }
 
@@ -156,10 +165,10 @@ fn a_heater_pin_that_a_short_holds_is_seen_at_the_next_tick() {
         let at = rig.machine().now();
         rig.machine().board_mut().short_heaters(high, low);
         assert_eq!(trip_within(&rig, 30), Some(Cause::Heater));
-        // What a short does not hold is low within a tick.
+        // A pin that no short holds is low within a tick.
         let last = *rig.machine().pins().last().unwrap();
         assert!(u32::from(last.levels) == high && last.cycle - at < ms(11), "{last:?} after {at}");
-        // As long as it is there, it trips again.
+        // While it is there, it trips again.
         instrument.command(Command::Acknowledge).unwrap();
         assert_eq!(trip_within(&rig, 30), (high != 0).then_some(Cause::Heater));
         rig.machine().board_mut().short_heaters(0, 0);

@@ -1,4 +1,4 @@
-//! What makes the guard trip, from the pins to the report, and how long heaters stay high.
+//! Causes of the guard's trips, from the pins to the report, and how long heaters stay high.
 //!
 //! Causes that are not here: panic, fault and watchdog (`crashes`), brown-out (`supply`). A number
 //! that is none (`NonFinite`) cannot be made of codes and a head that was accepted, but by a flip

@@ -8,6 +8,7 @@
 
 use crate::crashes_in_tasks::{fault, fill_stack, panic};
 use crate::rig::{Rig, experiment};
+use crate::settings::{ERASE, every};
 use dr_core::Command;
 use dr_core::control::{Drive, SelfTestPlan};
 use dr_core::sensor::Level;
@@ -15,6 +16,7 @@ use host_sim::experiment::Experiment;
 use host_sim::instrument::{InstrumentError, InstrumentPort};
 use host_sim::run::setup_of;
 use host_sim::sensor::{ResistorFault, TimedFault};
+use host_sim::settings;
 use silicon::adc::AdcFault;
 use silicon::complaint::{BrokenRule, Complaint};
 use silicon::plant::SensorPlant;
@@ -23,13 +25,13 @@ use silicon::soc::rcc::ResetSource;
 use silicon::time::{ms, us};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
-use wire::{Setting, SettingsRequest, ToBoard};
+use wire::ToBoard;
 
 /// Lives of a test; `ANEMO_LIVES` asks for others, `ANEMO_LIFE` for this one alone.
 const LIVES: u64 = 50;
 const DEEDS: usize = 16;
 
-/// What is no fault of the firmware.
+/// Rules that the firmware does not break itself.
 const KNOWN: [(&str, BrokenRule); 3] = [
     // A crash before the heaters' port has its clock: pins float, low, and are lowered once more.
     ("GPIOC", BrokenRule::ClockOff),
@@ -103,9 +105,9 @@ impl Life<'_> {
     }
 
     fn store(&mut self, value: u64) {
-        let setting = Setting::TelemetryEvery(value as u16);
-        let key = setting.key().unwrap().number();
-        self.send(&ToBoard::Settings(SettingsRequest::Store { key, value: setting.value().unwrap() }));
+        for request in settings::write_requests(&every(value as u16)).unwrap() {
+            self.send(&ToBoard::Settings(request));
+        }
     }
 
     /// Does something, and says what.
@@ -195,7 +197,7 @@ impl Life<'_> {
             }
             19 => {
                 self.rig.machine().board_mut().flash.erase_time = ms(chance.one_of(&[250, 500]));
-                self.send(&ToBoard::Settings(SettingsRequest::EraseAll));
+                self.send(&ToBoard::Settings(ERASE));
                 "erase"
             }
             20 => {
@@ -248,7 +250,7 @@ impl Life<'_> {
         }
     }
 
-    /// What has gone wrong by the end.
+    /// Fault by the end.
     fn judge(&self) -> Result<(), String> {
         self.rig.machine().board_mut().set_adc_fault(None);
         // Without it a board that starts waits for it, heaters low.

@@ -8,15 +8,13 @@ use host_sim::experiment::Experiment;
 use host_sim::instrument::serial::Serial;
 use host_sim::instrument::{InstrumentError, InstrumentPort};
 use host_sim::run::start;
-use host_sim::settings::{self, names};
+use host_sim::settings::{self, Settings};
 use silicon::adc::AdcFault;
 use silicon::plant::SensorPlant;
 use silicon::soc::rcc::ResetSource;
 use silicon::stream::MachineStream;
 use silicon::time::ms;
-use std::collections::BTreeMap;
-use wire::Setting;
-use wire::settings::KeyNumber;
+use wire::TestRecord;
 
 /// A cold sector that is heated in every tick of 10 ms.
 fn heating(host_timeout_s: Option<f32>) -> Experiment {
@@ -136,11 +134,11 @@ fn without_a_host_the_heaters_are_low_after_its_timeout_unless_it_is_for_ever() 
     }
 }
 
-fn keep(instrument: &mut Serial<MachineStream>, edit: impl FnOnce(&mut BTreeMap<KeyNumber, Setting>)) {
-    let (kept, _) = settings::read_all(instrument).unwrap();
-    let mut to = settings::usable(&kept);
-    edit(&mut to);
-    settings::change(instrument, &kept, &to).unwrap();
+fn keep(instrument: &mut Serial<MachineStream>, edit: impl FnOnce(&mut Settings, Option<&TestRecord>)) {
+    let stored = settings::read_all(instrument).unwrap();
+    let mut new = stored.settings.unwrap();
+    edit(&mut new, stored.test_at_start.as_ref());
+    settings::write(instrument, &new).unwrap();
 }
 
 /// Puts a head on the plug, and switches the board on. It sets itself up and tests itself.
@@ -160,9 +158,9 @@ fn another_head_on_the_plug_is_refused_until_the_kept_one_is_back() {
     let mut warmer = heating(None);
     (warmer.gas_temperature_c, warmer.support_temperature_c) = (-13.15, -3.15);
     let rig = Rig::of(&own);
-    keep(&mut rig.instrument(), |to| settings::of_head(&own.head, own.sample_period_s, to).unwrap());
+    keep(&mut rig.instrument(), |new, _| new.set_head(&own.head, own.sample_period_s).unwrap());
     let mut instrument = plug_in(&rig, &own);
-    keep(&mut instrument, |to| names::set(to, "fingerprint", "measured").unwrap());
+    keep(&mut instrument, |new, test| new.set("fingerprint", "measured", test).unwrap());
     for (on_the_plug, is_own) in [(&own, true), (&other, false), (&warmer, true)] {
         instrument = plug_in(&rig, on_the_plug);
         let at = rig.machine().now();

@@ -1,14 +1,14 @@
 //! A board in a process of its own, as `anemo run … --on silicon` has it.
 
 use crate::rig::{Rig, experiment, image};
+use crate::settings::every;
 use host_sim::experiment::Experiment;
 use host_sim::instrument::InstrumentPort;
-use host_sim::instrument::SettingsPort;
 use host_sim::instrument::virtual_line::{self, VirtualBoardFiles};
 use host_sim::run::run;
+use host_sim::settings;
 use silicon::machine::MachineConfig;
 use std::path::Path;
-use wire::{Setting, SettingsReply, SettingsRequest};
 
 #[test]
 fn a_board_in_another_process_gives_the_rows_of_one_in_this_process() {
@@ -41,18 +41,11 @@ fn what_a_board_in_another_process_keeps_is_there_in_the_next_one() {
     let program = Path::new(env!("CARGO_BIN_EXE_anemo-silicon"));
     let firmware = image();
     let files = VirtualBoardFiles { firmware: &firmware, experiment: None, flash: Some(&flash) };
-    let setting = Setting::TelemetryEvery(3);
-    let key = setting.key().unwrap().number();
-    let store = SettingsRequest::Store { key, value: setting.value().unwrap() };
     let mut first = virtual_line::start(program, &files).unwrap();
-    assert_eq!(first.ask_settings(&store).unwrap(), SettingsReply::Done);
+    settings::write(&mut first, &every(3)).unwrap();
     drop(first);
     let mut again = virtual_line::start(program, &files).unwrap();
-    let reply = again.ask_settings(&SettingsRequest::Read { key }).unwrap();
-    assert!(
-        matches!(&reply, SettingsReply::Value { value, .. } if Setting::read(key, value) == Ok(setting)),
-        "{reply:?}"
-    );
+    assert_eq!(settings::read_all(&mut again).unwrap().settings, Ok(every(3)));
 }
 
 #[test]

@@ -103,7 +103,7 @@ fn a_crystal_of_half_the_frequency_trips_again_and_again() {
     assert_eq!(rig.machine().pins().len(), 1, "no heater has moved");
 }
 
-/// What cannot be proved keeps the board tripped, whatever the host acknowledges.
+/// An unproved state keeps the board tripped, whatever the host acknowledges.
 fn stays_tripped(rig: &Rig) {
     let mut instrument = rig.instrument();
     assert_eq!(until_trip(rig, ms(200)).map(|(cause, _)| cause), Some(Cause::ProofTest));

@@ -107,7 +107,7 @@ fn registers_are_after_a_power_on_as_the_reference_manual_has_them() {
                 wrong.push(format!("{chapter}, {name}: {value:#010x}, not {expected:#010x}"));
             }
         }
-        // What comes after it has its clock.
+        // The next one has its clock.
         for (offset, gates) in [(0x30, 0x0020_0007), (0x40, 0x1002_0009), (0x44, 0x5000)] {
             board.store(RCC + offset, 4, gates).unwrap();
         }

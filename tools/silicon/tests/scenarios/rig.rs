@@ -46,7 +46,7 @@ pub fn experiment(name: &str, ticks: u32) -> Experiment {
     Experiment { ticks, ..Experiment::read(&path).unwrap() }
 }
 
-/// What a run has come to.
+/// Result of a run.
 #[derive(Debug)]
 pub struct EndOfRun {
     /// The trip.

@@ -34,6 +34,6 @@ fn a_long_run_has_no_late_tick() {
     assert_eq!((status.unsent, status.deadlines, report.link.damaged), (0, 0, 0));
     assert_eq!(rig.machine().resets(), []);
     // Its set-up, with models, may be late once.
-    assert!(status.late_ticks <= 1, "{}", status.late_ticks);
+    assert!(status.control.late_ticks <= 1, "{}", status.control.late_ticks);
     rig.assert_no_complaint();
 }

@@ -1,6 +1,7 @@
 //! `Stop`: at once, and ahead of everything that waits.
 
 use crate::rig::{Rig, experiment};
+use crate::settings::ERASE;
 use dr_core::control::{Refusal, RunState};
 use dr_core::{Command, Reply};
 use host_sim::experiment::Experiment;
@@ -8,7 +9,7 @@ use host_sim::instrument::InstrumentPort;
 use host_sim::run::start;
 use silicon::machine::MachineConfig;
 use silicon::time::{ms, us};
-use wire::{FromBoard, Receiver, SettingsRequest, ToBoard};
+use wire::{FromBoard, Receiver, ToBoard};
 
 /// Pins fall before the reply, at whatever moment of a tick, and the readings of the tick that was
 /// cut short are none: they trip nothing.
@@ -43,14 +44,13 @@ fn a_stop_lowers_the_pins_at_once_at_any_moment_of_a_tick() {
 fn a_stop_goes_ahead_of_commands_that_wait_and_voids_them() {
     let experiment = experiment("held.toml", 10);
     let rig = Rig::new(&MachineConfig { sensor: experiment.sensor_config().unwrap(), oscillator_hz: None });
-    rig.machine().board_mut().flash.settings.fill(0x5a);
-    rig.machine().board_mut().flash.erase_time = ms(20);
+    rig.machine().board_mut().flash.erase_time = ms(60);
     let mut instrument = rig.instrument();
     start(&experiment, &mut instrument).unwrap();
     instrument.command(Command::Stop).unwrap();
     let pins = rig.machine().pins().len();
     let arm = ToBoard::Command(Command::Arm { window_s: 5.0 });
-    let mut messages = vec![ToBoard::Settings(SettingsRequest::EraseAll), arm.clone()];
+    let mut messages = vec![ToBoard::Settings(ERASE), arm.clone()];
     messages.push(ToBoard::Command(Command::Start));
     messages.extend(vec![arm; 6]);
     messages.push(ToBoard::Command(Command::Stop));
@@ -61,7 +61,7 @@ fn a_stop_goes_ahead_of_commands_that_wait_and_voids_them() {
         rig.machine().run_for(ms(1)).unwrap();
     }
     rig.machine().run_for(ms(1_500)).unwrap();
-    assert_eq!(rig.machine().board().flash.erases, 3);
+    assert_eq!(rig.machine().board().flash.erases, 1);
     let (mut receiver, mut results) = (Receiver::new(), Vec::new());
     for (_, frame) in rig.machine().board_mut().host.frames() {
         for received in frame.iter().filter_map(|&byte| receiver.push::<FromBoard>(byte)) {

@@ -1,8 +1,9 @@
-//! What watches over the processor itself: the watchdog, and the security of the clock.
+//! Watch over the processor itself: the watchdog, and the security of the clock.
 
 use crate::crashes::{after_reset, heat, heating};
 use crate::crashes_in_tasks::enter;
 use crate::rig::{Rig, experiment};
+use crate::settings::ERASE;
 use dr_core::control::{Cause, RunState};
 use host_sim::experiment::Experiment;
 use host_sim::instrument::{InstrumentPort, SettingsPort};
@@ -12,7 +13,7 @@ use silicon::plant::SensorPlant;
 use silicon::processor::nvic::FIRST_INTERRUPT;
 use silicon::soc::rcc::ResetSource;
 use silicon::time::{ms, us};
-use wire::{ResetCause, SettingsRequest};
+use wire::ResetCause;
 
 /// Heaters have to be low so long after the crystal has failed.
 const LOW_WITHIN: u64 = ms(2);
@@ -23,10 +24,9 @@ const LOW_WITHIN: u64 = ms(2);
 fn no_feeding_comes_between_the_watchdogs_key_and_its_period() {
     let rig = Rig::new(&MachineConfig { oscillator_hz: Some(47_000), ..MachineConfig::default() });
     rig.machine().board_mut().flash.erase_time = ms(500);
-    rig.machine().board_mut().flash.settings.fill(0x5a);
     let mut instrument = rig.instrument();
     rig.machine().board_mut().race_at_watchdog();
-    instrument.ask_settings(&SettingsRequest::EraseAll).unwrap();
+    instrument.ask_settings(&ERASE).unwrap();
     assert!(rig.machine().resets().is_empty());
     rig.assert_no_complaint();
 }

@@ -1,6 +1,7 @@
 //! The supply falls, dips, and rises for the first time.
 
 use crate::rig::{Rig, experiment};
+use crate::settings::ERASE;
 use dr_core::Command;
 use dr_core::control::{Cause, RunState};
 use host_sim::experiment::Experiment;
@@ -12,7 +13,7 @@ use silicon::soc::flash::{FACTORY_OPTIONS, OPTIONS};
 use silicon::soc::power::NOMINAL_MV;
 use silicon::soc::rcc::ResetSource;
 use silicon::time::{ms, us};
-use wire::{ResetCause, Setting, SettingsRequest};
+use wire::ResetCause;
 
 /// Heaters have to be low so long after the supply has begun to fall.
 const LOW_WITHIN: u64 = us(100);
@@ -154,13 +155,11 @@ fn nothing_starts_and_nothing_is_written_until_the_supply_is_back() {
     rig.machine().board_mut().set_supply(3_000);
     rig.machine().run_for(ms(100)).unwrap();
     let mut instrument = rig.instrument();
-    let setting = Setting::TelemetryEvery(3);
-    let request = SettingsRequest::Store { key: setting.key().unwrap().number(), value: setting.value().unwrap() };
     // An acknowledgement is followed by the next trip.
     instrument.command(Command::Acknowledge).unwrap();
     rig.machine().run_for(ms(100)).unwrap();
     assert!(matches!(rig.machine().board().witness.state(), Some(RunState::Tripped(_))));
-    assert!(instrument.ask_settings(&request).is_err());
+    assert!(instrument.ask_settings(&ERASE).is_err());
     assert_eq!(rig.machine().board().flash.writes, 0);
     rig.machine().board_mut().set_supply(NOMINAL_MV);
     instrument.command(Command::Acknowledge).unwrap();

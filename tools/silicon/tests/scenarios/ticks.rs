@@ -27,7 +27,7 @@ fn late_ticks(tick_us: u64, ticks: u32) -> u32 {
     rig.assert_no_complaint();
     let status = report.status.unwrap();
     assert_eq!((status.unsent, status.deadlines), (0, 0));
-    status.late_ticks
+    status.control.late_ticks
 }
 
 #[test]

@@ -10,7 +10,7 @@ use std::ops::Range;
 
 const FLIPS: u64 = 20;
 const RAM_END: u32 = 0x2002_0000;
-/// What of the stack may be in use at any moment.
+/// Part of the stack that may be in use at any moment.
 const STACK_BYTES: u32 = 2_048;
 
 #[test]

@@ -5,8 +5,8 @@
 
 use crate::against_qemu::{by_qemu, here, image};
 
-/// What the protection lets the sensor board do there: load, store, jump. `x` is a jump that is
-/// allowed and not tried; `?` is allowed, and nothing answers.
+/// Rights that the protection gives the sensor board there: load, store, jump. `x` is a jump that
+/// is allowed and not tried; `?` is allowed, and nothing answers.
 const RIGHTS: [(u32, &str); 44] = [
     // The image has no business with the alias of flash that the core starts from.
     (0x0000_0000, "---"),
@@ -72,7 +72,7 @@ const NOCP: u32 = 1 << 19;
 const UNALIGNED: u32 = 1 << 24;
 const FORCED: u32 = 1 << 30;
 
-/// What the image's instructions come to, in its order: an undefined one, a coprocessor's, a pair
+/// Outcomes of the image's instructions, in its order: an undefined one, a coprocessor's, a pair
 /// and a word that are not aligned, a division by zero. The last two are faults only where CCR asks
 /// for it, which the firmware does not.
 const INSTRUCTIONS: [u32; 5] = [UNDEFINSTR, NOCP, UNALIGNED, 0, 0];
@@ -144,7 +144,7 @@ enum Trial {
 }
 
 impl Trial {
-    /// As the image reads it.
+    /// Words as the image reads them.
     fn words(self) -> [u32; 3] {
         match self {
             Self::Load(address) => [0, address, 0],
@@ -160,7 +160,7 @@ impl Trial {
     }
 }
 
-/// What a core makes of a trial.
+/// Verdict of a core on a trial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Verdict {
     values: [u32; 2],

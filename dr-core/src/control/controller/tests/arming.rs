@@ -1,4 +1,4 @@
-//! What can heat has to be asked for by one who has armed the instrument, not long ago.
+//! Commands that can heat have to be asked for by one who has armed the instrument, not long ago.
 
 use super::*;
 

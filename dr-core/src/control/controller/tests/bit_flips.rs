@@ -23,7 +23,7 @@ fn warm(drives: [Drive; 2]) -> (Controller<2>, TestBody) {
     (controller, body)
 }
 
-/// How a flipped bit is found.
+/// Detection of a flipped bit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Detection {
     /// In the next tick.
@@ -34,7 +34,7 @@ enum Detection {
     Never,
 }
 
-/// What is promised of a value.
+/// Asserts what is promised of a value.
 fn promised(name: &str, drive: &Drive) -> Detection {
     use Detection::{AtOnce, InTurn, Never};
     match name {

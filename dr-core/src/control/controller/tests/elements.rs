@@ -1,4 +1,4 @@
-//! How many elements there are, and that room for more changes nothing.
+//! Number of elements; room for more changes nothing.
 
 use super::*;
 
@@ -38,7 +38,7 @@ fn three_of<const N: usize>(observe: bool) -> (Vec<u32>, u64) {
     let (mut temperature_c, mut heaters) = ([-50.0_f32; 3], Heaters::default());
     let (mut said, mut digest) = (Vec::new(), Digest::default());
     for n in 0..2000 {
-        // What is said of elements that are not there must not matter: here they are cut.
+        // Statements about absent elements must not matter: here they are cut.
         let mut readings = [Reading::Code(i32::MAX); N];
         for (i, (reading, &temperature_c)) in readings.iter_mut().zip(&temperature_c).enumerate() {
             *reading = if n % 97 == 96 { Reading::Missing } else { code(temperature_c, heaters.is_high(i)) };

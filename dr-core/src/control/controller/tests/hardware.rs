@@ -1,4 +1,4 @@
-//! What a board's limits do, whatever messages say.
+//! Effect of a board's limits, whatever messages say.
 
 use super::*;
 use crate::control::{EnergyLimit, HardwareLimits, Lockout};

@@ -1,4 +1,4 @@
-//! What is told of a controller in a word or a number.
+//! Words and numbers about a controller.
 
 use super::*;
 use std::collections::BTreeSet;

@@ -55,7 +55,7 @@ fn another_head_is_refused_until_the_right_one_is_there() {
     assert_eq!(start(&mut controller), Err(Refusal::OtherHead { element: 1 }));
     let mut controller = kept(1.05);
     controller.tick(&[code(-50.0, false); 2]);
-    // What it was taken from: 5 % of the resistance are 14 K.
+    // Resistance that it was taken from: 5 % of the resistance are 14 K.
     controller.tick(&[code(-50.0, false), code(-36.0, false)]);
     start(&mut controller).unwrap();
 }
@@ -64,7 +64,7 @@ fn another_head_is_refused_until_the_right_one_is_there() {
 fn a_head_that_was_not_read_before_the_start_trips_before_it_is_heated() {
     let mut controller = kept(1.05);
     start(&mut controller).unwrap();
-    // As long as an element has not been read, none is heated.
+    // While an element has not been read, none is heated.
     let tick = controller.tick(&[code(-50.0, false), Reading::Stale]);
     assert_eq!((tick.heaters, tick.trip), (Heaters(0), None));
     let tick = controller.tick(&[code(-50.0, false); 2]);

@@ -1,4 +1,4 @@
-//! Which mean powers may be asked for, and what the digest sees of a drive.
+//! Mean powers that may be asked for, and what the digest sees of a drive.
 
 use super::*;
 

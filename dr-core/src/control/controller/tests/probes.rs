@@ -1,4 +1,4 @@
-//! What a self-test wishes beside the guard's work.
+//! Wishes of a self-test beside the guard's work.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! What is still right, and what is just wrong.
+//! Values that are still right, and values that are just wrong.
 
 use super::finding::{GAP_MOST_K, NOISE_MOST_K};
 use super::*;
@@ -21,7 +21,7 @@ fn beyond(value: f32) -> f32 {
     f32::from_bits(value.to_bits() + 1)
 }
 
-/// What a phase makes of quiet readings that are all the same.
+/// Finding of a phase on quiet readings that are all the same.
 fn of_quiet(phase: Phase, value: f32) -> SelfTestFinding {
     let mut test = at(phase);
     (0..64).for_each(|_| test.quiet[0].take(value));
@@ -91,8 +91,8 @@ fn half_of_sixty_four_readings_are_enough() {
     }
 }
 
-/// What is made of a pulse of the first element that follows its model by a ratio with a gap; the
-/// other one rises by itself.
+/// Finding on a pulse of the first element that follows its model by a ratio with a gap; the other
+/// one rises by itself.
 fn of_pulse(ratio: f32, gap_k: f32, other_rise_k: f32, noise_k: f32, with_models: bool) -> SelfTestFinding {
     let mut test = at(Phase::Heating(0));
     test.findings.iter_mut().for_each(|finding| finding.noise_k = Some(noise_k));

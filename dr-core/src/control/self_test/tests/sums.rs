@@ -1,4 +1,4 @@
-//! What is summed up, against what is known of it in closed form.
+//! Sums, against what is known of it in closed form.
 
 use super::*;
 
@@ -22,7 +22,7 @@ fn a_mean_is_that_of_all() {
 #[test]
 fn noise_is_of_second_differences_over_their_own_number() {
     assert_eq!((quiet([1.0]).noise(), quiet([1.0, 2.0]).noise()), (None, None));
-    // Of 1, 2, 6 it is 6 − 4 + 1 = 3: σ² = 9/6.
+    // The second difference of 1, 2, 6 is 6 − 4 + 1 = 3: σ² = 9/6.
     assert!((quiet([1.0, 2.0, 6.0]).noise().unwrap() - 1.5_f32.sqrt()).abs() < 1e-6);
     // ±a in turn has second differences of 4a, each of N − 2: σ = a √(16/6), whatever N.
     for count in [3, 4, 10, 64] {

@@ -112,7 +112,7 @@ pub fn tick(n: u32) -> Tick<ELEMENTS> {
     }
 }
 
-/// What the surfaces take in [`WIND_M_S`]; the thermometer takes nothing.
+/// Power that the surfaces take in [`WIND_M_S`]; the thermometer takes nothing.
 pub fn power_w() -> [f32; ELEMENTS] {
     static POWER_W: OnceLock<[f32; ELEMENTS]> = OnceLock::new();
     *POWER_W.get_or_init(|| power_of(&vector().conductances(&gas_there(), WIND_M_S).map(|of| of.conductance_w_k)))
@@ -122,7 +122,7 @@ pub fn gas_there() -> GasState {
     GasLaw::new(&law()).unwrap().at(PRESSURE_PA, GAS_C).unwrap()
 }
 
-/// What the first parts take at these conductances.
+/// Power that the first parts take at these conductances.
 pub fn power_of(conductance_w_k: &[f32]) -> [f32; ELEMENTS] {
     let mut power_w = [0.0; ELEMENTS];
     for (part, &of) in conductance_w_k.iter().enumerate().take(SECTORS) {
@@ -222,7 +222,7 @@ fn a_reading_counts_by_the_level_at_which_it_was_read() {
         // The first reading was at the low level.
         let mean_weight = f64::from(PATIENT[0]) + f64::from(weight - PATIENT[0]) / 64.0;
         let truth = still_w_k - per_k * f64::from(FORWARD_W_K * weight * rise_k) / mean_weight;
-        // As above; the other weight would be off by a tenth.
+        // See above; the other weight would be off by a tenth.
         assert!(near(told.conductance_w_k[1], truth, 5e-4), "{heaters:b}: {} for {truth}", told.conductance_w_k[1]);
         assert!(near(told.conductance_w_k[0], by_hand(0).1, 2e-4));
     }
@@ -380,7 +380,7 @@ fn a_whole_kelvin_is_enough() {
         let told = follow(&mut anemometer, &still).unwrap();
         assert_eq!(told.conductance_w_k[0] > 0.0, is_enough, "{surface_c} {gas_c}");
     }
-    // What is read, likewise.
+    // The readings, too.
     let read_c = TEMPERATURE_C[0];
     for (gas_c, is_enough) in [(read_c - 1.0, true), (f32::from_bits((read_c - 1.0).to_bits() - 1), false)] {
         let mut warmer = anemometer.clone();
@@ -465,7 +465,7 @@ fn corrections_by_command_take_heat_and_dust_out_and_widen_the_uncertainty() {
     assert!(off(before.wind.wind_m_s, WIND_M_S) > 0.2, "{:?}", before.wind);
     assert!(off(after.wind.wind_m_s, clean.wind.wind_m_s) < 2e-3, "{:?} {:?}", after.wind, clean.wind);
     assert!(after.wind.speed_error_m_s > 1.1 * clean.wind.speed_error_m_s, "{:?}", after.wind);
-    // What is reported of the noise is of the noise.
+    // The reported noise is that of the readings.
     assert!((after.variance_w2_k2[0] / clean.variance_w2_k2[0] - 1.0).abs() < 1e-5);
     // The gain of a surface.
     let gain = SurfaceCorrection { gain: 1.0 / dust - 1.0, ..none };

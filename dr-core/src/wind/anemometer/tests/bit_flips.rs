@@ -90,7 +90,7 @@ fn a_bit_anywhere_is_found_in_one_turn_and_in_one_piece() {
     later.until_s += 0.1;
     spoil(&|anemometer| anemometer.network.set_faster_gains(&later, PERIOD_S).unwrap());
 
-    // What it has been told, and what was made of it.
+    // Commands that it was sent, and their outcomes.
     let mut amplitudes = nusselt().amplitudes[31];
     amplitudes[5] = flipped(amplitudes[5]);
     spoil(&|anemometer| anemometer.setup.set_point(31, amplitudes).unwrap());

@@ -64,7 +64,7 @@ fn four_dice_determine_the_wind_in_their_plane() {
     anemometer.handle(&WindCommand::Card(card()), PERIOD_S).unwrap();
     let config = WindOutputConfig { diameter_m: SIDE_M, reynolds: Some([1.0, MOST_REYNOLDS]), ..config() };
     let told = told(anemometer, &config, &given);
-    // As above a rounding of 0.4 µW, here of some 0.1 mW/K.
+    // See above: a rounding of 0.4 µW, here of some 0.1 mW/K.
     let of = told.conductance_w_k.iter().zip(given);
     assert!(of.clone().all(|(found, given)| (found - given).abs() < 5e-8), "{told:?} {given:?}");
     assert!(
@@ -76,7 +76,7 @@ fn four_dice_determine_the_wind_in_their_plane() {
     assert!(off(told.wind.wind_m_s, wind_m_s) < 0.1, "{:?}", told.wind);
 }
 
-/// Which parameter of a set-up is refused, and why.
+/// Parameter of a set-up that is refused, and why.
 fn refused(anemometer: &mut Anemometer<ELEMENTS>, command: WindCommand) -> (Parameter, ParameterProblem) {
     let before = anemometer.clone();
     let error = anemometer.handle(&command, PERIOD_S).unwrap_err();

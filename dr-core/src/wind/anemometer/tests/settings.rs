@@ -1,4 +1,4 @@
-//! What of an anemometer goes into a digest.
+//! Parts of an anemometer in a digest.
 
 use super::balance::{ELEMENTS, config, follow, sectors, tick};
 use super::*;

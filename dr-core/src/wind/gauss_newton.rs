@@ -49,7 +49,7 @@ pub struct WeightedNusselt {
     pub weight: f32,
 }
 
-/// What is to be inverted.
+/// Problem that is inverted.
 #[derive(Debug, Clone, Copy)]
 pub struct Inverse<'a> {
     pub form: HeadForm,
@@ -57,13 +57,13 @@ pub struct Inverse<'a> {
     pub surfaces: &'a [NusseltSurface],
     pub frame: &'a HeadFrame,
     pub observed: [Option<WeightedNusselt>; MOST_SURFACES],
-    /// Of a Nusselt number of weight one.
+    /// Variance of a Nusselt number of weight one.
     pub variance: f32,
 }
 
 /// Where it ended.
 #[derive(Debug, Clone, Copy)]
-pub struct DescentResult {
+pub struct GaussNewtonResult {
     /// r
     pub reynolds: [f32; 3],
     /// Σ W e²
@@ -75,7 +75,7 @@ pub struct DescentResult {
 }
 
 /// The equations at a Reynolds vector.
-pub struct DescentEquations {
+pub struct GaussNewtonEquations {
     cost: f32,
     pub normal: Matrix,
     right: [f32; 3],
@@ -121,24 +121,25 @@ impl Inverse<'_> {
     /// Goes down from a Reynolds vector.
     ///
     /// The steps are taken off `left`; with none left it goes nowhere.
-    pub fn descend(&self, start: [f32; 3], left: &mut u8) -> DescentResult {
+    pub fn descend(&self, start: [f32; 3], left: &mut u8) -> GaussNewtonResult {
         self.descend_within(start, MOST_STEPS, left)
     }
 
     /// The same in so many steps at most.
-    pub fn descend_within(&self, start: [f32; 3], most: u8, left: &mut u8) -> DescentResult {
+    pub fn descend_within(&self, start: [f32; 3], most: u8, left: &mut u8) -> GaussNewtonResult {
         let found = self.steps_down(start, most.min(*left));
         *left -= found.steps;
         found
     }
 
-    fn steps_down(&self, start: [f32; 3], most: u8) -> DescentResult {
+    fn steps_down(&self, start: [f32; 3], most: u8) -> GaussNewtonResult {
         let mut reynolds = start;
         let mut here = self.equations(reynolds);
         let mut damping = DAMPING;
         let nothing = ROUNDING_OF_NOTHING * self.seen().map(|(_, o)| o.weight * o.nusselt * o.nusselt).sum::<f32>();
         for steps in 0..most {
-            let found = |converged| DescentResult { reynolds, cost: here.cost, normal: here.normal, steps, converged };
+            let found =
+                |converged| GaussNewtonResult { reynolds, cost: here.cost, normal: here.normal, steps, converged };
             let Some(factors) = Factors::of(&damped(&here.normal, damping)) else { return found(false) };
             let step = factors.solve(here.right);
             let (length_2, here_2) = (dot(step, step), dot(reynolds, reynolds));
@@ -158,13 +159,13 @@ impl Inverse<'_> {
                 damping *= 10.0;
             }
         }
-        DescentResult { reynolds, cost: here.cost, normal: here.normal, steps: most, converged: false }
+        GaussNewtonResult { reynolds, cost: here.cost, normal: here.normal, steps: most, converged: false }
     }
 
     /// The equations at a Reynolds vector.
-    pub fn equations(&self, reynolds: [f32; 3]) -> DescentEquations {
+    pub fn equations(&self, reynolds: [f32; 3]) -> GaussNewtonEquations {
         let unknowns = self.frame.unknowns();
-        let mut look = DescentEquations { cost: 0.0, normal: [[0.0; 3]; 3], right: [0.0; 3] };
+        let mut look = GaussNewtonEquations { cost: 0.0, normal: [[0.0; 3]; 3], right: [0.0; 3] };
         let stream = StreamAround::at(self.nusselt, reynolds);
         for (part, observed) in self.surfaces.iter().zip(&self.observed) {
             let Some(WeightedNusselt { nusselt, weight }) = *observed else { continue };
