@@ -98,7 +98,7 @@ impl ArrowTable {
         self.batches.iter().map(RecordBatch::num_rows).sum()
     }
 
-    /// Which column has a name.
+    /// Column of a name.
     pub fn column(&self, name: &str) -> Option<usize> {
         self.schema.fields().iter().position(|field| field.name() == name)
     }

@@ -14,14 +14,14 @@ use crate::error::error;
 use crate::model::PyModel;
 use crate::table::PyTable;
 
-/// How often Python is asked for signals.
+/// Interval at which Python is asked for signals.
 const LOOK: Duration = Duration::from_millis(50);
-/// As much as the main thread of a command has.
+/// Stack of the main thread of a command.
 const STACK_BYTES: usize = 8 << 20;
 
 /// Commands that are at work.
 static AT_WORK: AtomicUsize = AtomicUsize::new(0);
-/// Whether this process was forked from one in which a command was at work.
+/// This process was forked from one in which a command was at work.
 static FORKED_AT_WORK: AtomicBool = AtomicBool::new(false);
 
 /// A text that commands read like a file; what it names is sought from its folder.
@@ -87,8 +87,8 @@ impl Words {
     }
 }
 
-/// What a command has done: its JSON and text, its warnings, exit code and sentence, the recording
-/// if one was wanted, and the signal that came meanwhile.
+/// Outcome of a command: its JSON and text, its warnings, exit code and sentence, the recording if
+/// one was wanted, and the signal that came meanwhile.
 type Done = (Option<String>, String, Vec<String>, u8, Option<String>, Option<PyTable>, Option<PyErr>);
 
 /// Carries out a command, whose words stand each behind its option ("--head=") or nothing. `place`

@@ -9,7 +9,7 @@ mod table;
 
 use pyo3::prelude::*;
 
-/// What `anemo/*.py` build on; not for others.
+/// Functions for `anemo/*.py`; not for others.
 #[pymodule]
 mod _anemo {
     #[pymodule_export]

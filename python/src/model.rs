@@ -126,7 +126,7 @@ impl PyModel {
         self.inner.offset_c
     }
 
-    /// Whether the record supports predictions by this model.
+    /// Tells whether the record supports predictions by this model.
     #[getter]
     fn supported(&self) -> bool {
         self.inner.supported

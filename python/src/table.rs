@@ -69,7 +69,7 @@ impl PyTable {
         self.inner.names()
     }
 
-    /// What the table says of itself: title, head, experiment, hash, and so on.
+    /// Metadata of the table: title, head, experiment, hash, and so on.
     #[getter]
     fn metadata(&self) -> HashMap<String, String> {
         self.inner.metadata().into_iter().collect()

@@ -14,7 +14,7 @@ use dr_core::control::self_test::plan::PULSE_LEAST_TICKS;
 use dr_core::wind::{MOST_SURFACES, QualityFlags};
 use host_sim::experiment::Experiment;
 use host_sim::instrument::Observation;
-use host_sim::run::log::{LogCommand, LogEvent, LogRefusal, LogRequest};
+use host_sim::run::log::{LogCommand, LogEvent, LogRequest};
 use publish::commands::{CommandRefusal, FeedCommand, FeedRequest};
 use publish::feed::{Feed, FeedEvent, FeedEventKind, FeedItem, FeedLayout, FeedRow, FeedWind};
 use recording::head_mounting::HeadMounting;
@@ -36,7 +36,7 @@ const SAMPLE_PERIOD_S: f64 = 0.01;
 pub struct FeedReplay {
     reader: RecordingReader,
     layout: FeedLayout,
-    /// Of its first row, as far as it says so.
+    /// Time of its first row, as far as it says so.
     start: SystemTime,
 }
 
@@ -73,7 +73,7 @@ impl FeedReplay {
         Ok(Self { layout, start: start.map_or(SystemTime::UNIX_EPOCH, SystemTime::from), reader })
     }
 
-    /// What the feed says of itself.
+    /// Layout of the feed.
     pub fn layout(&self) -> FeedLayout {
         self.layout.clone()
     }
@@ -166,7 +166,7 @@ impl ReplayChunk<'_> {
 /// Length of a self-test's pulse of heat, s.
 const PULSE_S: f32 = 1.0;
 
-/// What the feed says of itself.
+/// Layout of the feed.
 pub fn layout(experiment: &Experiment, identity: &Identity) -> FeedLayout {
     let names: Vec<String> = experiment.head.names().into_iter().map(str::to_owned).collect();
     FeedLayout {
@@ -199,7 +199,7 @@ pub fn row(row: &RecordingRow<'_>, observation: &Observation, utc: SystemTime, m
     }
 }
 
-/// What listeners learn of an event.
+/// Event as listeners learn of it.
 pub fn event(event: LogEvent) -> Option<FeedEventKind> {
     Some(match event {
         LogEvent::Trip { cause, element } => FeedEventKind::Trip { cause: cause.to_owned(), element: Some(element) },
@@ -211,7 +211,7 @@ pub fn event(event: LogEvent) -> Option<FeedEventKind> {
     })
 }
 
-/// What a listener asks for next.
+/// Next request of a listener.
 pub fn request(requests: &Receiver<FeedRequest>, sample_period_s: f64) -> Option<LogRequest> {
     let request = requests.try_recv().ok()?;
     let command = match request.command.clone() {
@@ -224,8 +224,12 @@ pub fn request(requests: &Receiver<FeedRequest>, sample_period_s: f64) -> Option
         FeedCommand::Pressure { pressure_pa } => LogCommand::Pressure(pressure_pa),
         FeedCommand::Mark { text } => LogCommand::Mark(crate::log_files::mark(&text)),
     };
-    let refuse = |refusal: LogRefusal| CommandRefusal(refusal.to_string());
-    Some(LogRequest { command, answer: Box::new(move |outcome| request.answer(outcome.map_err(refuse))) })
+    Some(LogRequest {
+        command,
+        answer: Box::new(move |outcome| {
+            request.answer(outcome.map_err(|refusal| CommandRefusal(refusal.to_string())));
+        }),
+    })
 }
 
 fn self_test(sample_period_s: f64) -> SelfTestPlan {

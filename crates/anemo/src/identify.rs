@@ -8,7 +8,7 @@ use crate::model_options::ModelOptions;
 use crate::options::PictureArguments;
 use crate::output::Failure;
 use crate::progress::progress_bar;
-use diffusive::identify::record::{RecordSource as _, RecordStream, Survey};
+use diffusive::identify::record::{Survey, open};
 use diffusive::identify::report::IdentifyReport;
 use diffusive::identify::{FitRow, identify};
 use diffusive::model::Whiteness;
@@ -74,11 +74,11 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     crate::output::writable(arguments.output_file.as_deref(), "a model", "json")?;
     crate::output::writable(arguments.report.as_deref(), "a report", "html")?;
     let (selection, gas) = arguments.model.selection();
-    let mut stream = RecordStream::open_all(&named(&arguments.records)?, &selection).map_err(Failure::usage)?;
+    let mut stream = open(&named(&arguments.records)?, &selection).map_err(Failure::usage)?;
     let options = arguments.model.options(stream.survey(), gas)?;
     let canvas = arguments.picture.canvas()?;
     let mut fits = FitRecorder::new(canvas.is_some() || arguments.report.is_some(), stream.survey());
-    let model = identify(&mut stream, &options, &mut progress_bar(), &mut |seen| fits.see(seen))?;
+    let model = identify(&mut *stream, &options, &mut progress_bar(), &mut |seen| fits.see(seen))?;
     if let Some(path) = &arguments.output_file {
         model.write(path).map_err(Failure::work)?;
     }
@@ -103,12 +103,11 @@ fn named(files: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
 /// One series an output; none if nobody is going to draw them.
 pub struct FitRecorder {
     series: Vec<FitSeries>,
-    /// As they were before the first row.
+    /// Series as they were before the first row.
     empty: Vec<FitSeries>,
     /// By output: the row that comes next.
     next: Vec<u64>,
     first_time_s: f64,
-    sample_period_s: f64,
 }
 
 impl FitRecorder {
@@ -117,21 +116,15 @@ impl FitRecorder {
         let unit = |name: &String| recording::stated_unit(name).unwrap_or_default().to_owned();
         let outputs = survey.outputs.iter().filter(|_| is_drawn);
         let empty: Vec<_> = outputs.map(|name| FitSeries::new(name.clone(), unit(name))).collect();
-        Self {
-            series: empty.clone(),
-            next: vec![0; empty.len()],
-            empty,
-            first_time_s: survey.first_time_s,
-            sample_period_s: survey.sample_period_s,
-        }
+        Self { series: empty.clone(), next: vec![0; empty.len()], empty, first_time_s: survey.first_time_s }
     }
 
     pub fn see(&mut self, seen: &FitRow<'_>) {
-        let time_s = self.first_time_s + seen.row as f64 * self.sample_period_s;
+        let time_s = self.first_time_s + seen.since_s;
         for (output, series) in self.series.iter_mut().enumerate() {
             // Outputs on other meshes have a reading of their own.
             if (seen.predicted[output] + seen.measured[output]).is_finite() {
-                // Of rows that come again, by a better model, the last ones count.
+                // The last ones count of rows that come again, by a better model.
                 if seen.row < std::mem::replace(&mut self.next[output], seen.row + 1) {
                     *series = self.empty[output].clone();
                 }
@@ -142,7 +135,7 @@ impl FitRecorder {
         }
     }
 
-    /// What was seen, with the whiteness of the residuals of every output.
+    /// Fits of the rows that were seen, with the whiteness of the residuals of every output.
     pub fn fits<'w>(mut self, whiteness: impl IntoIterator<Item = &'w Option<Whiteness>>) -> Vec<FitSeries> {
         self.series.iter_mut().zip(whiteness).for_each(|(series, white)| series.whiteness.clone_from(white));
         self.series

@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use crate::output::Failure;
-use diffusive::identify::report::{IdentifyReport, moving_offset, whiteness_verdict};
+use diffusive::identify::report::{IdentifyReport, moving_offset, spacing, whiteness_verdict};
 use diffusive::model::certainty::steady_gain_error;
 use diffusive::model::{Class, Estimate, Model, ModelOutput, ModelWind, Pair, gain_unit};
 use plot::Figure;
@@ -55,10 +55,10 @@ fn record(model: &Model) -> String {
     let input = |(name, [least, most]): (&String, &[f64; 2])| format!("{name}: {} to {}", brief(*least), brief(*most));
     let inputs: Vec<String> = model.inputs.iter().zip(&source.input_range).map(input).collect();
     let outputs: Vec<&str> = model.outputs.iter().map(|output| output.name.as_str()).collect();
-    let (rows, period) = (source.rows, brief(model.sample_period_s));
+    let (rows, spacing) = (source.rows, spacing(model));
     let mut facts = vec![
         ["files".to_owned(), source.records.join(", ")],
-        ["length".to_owned(), format!("{} s: {rows} rows, one each {period} s", brief(source.duration_s))],
+        ["length".to_owned(), format!("{} s: {rows} rows{spacing}", brief(source.duration_s))],
         ["inputs".to_owned(), inputs.join("; ")],
         ["outputs".to_owned(), outputs.join(", ")],
     ];

@@ -12,12 +12,12 @@ use crate::output::hear;
 pub use crate::output::{Failure, HeardCommand};
 use crate::progress::Ended;
 
-/// What a command has done.
+/// Outcome of a command.
 #[derive(Debug)]
 pub struct Performed {
-    /// What it said.
+    /// Words of the command.
     pub heard: HeardCommand,
-    /// Whether it could be done.
+    /// It could be done.
     pub outcome: Result<(), Failure>,
 }
 

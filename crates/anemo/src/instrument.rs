@@ -1,4 +1,4 @@
-//! Which instrument a command is about, and how it is reached.
+//! Instrument that a command is about, and how it is reached.
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -16,7 +16,7 @@ use wire::BoardKind;
 const FIRMWARE: &str = "firmware-virtual-board.elf";
 /// The one that is flashed, for `--on silicon`.
 const SENSOR_FIRMWARE: &str = "firmware-sensor-board.elf";
-/// What runs it: a program of a build that no release contains, beside this command.
+/// Program that runs it: one of a build that no release contains, beside this command.
 const SILICON: &str = "anemo-silicon";
 const BUILT: &str = "thumbv7em-none-eabihf/firmware";
 

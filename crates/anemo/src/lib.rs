@@ -43,6 +43,7 @@ mod plot;
 mod predict;
 mod predict_against;
 mod progress;
+mod publishing;
 mod record;
 mod recover;
 mod run;
@@ -250,7 +251,7 @@ mod tests {
         CommandLine::command().debug_assert();
     }
 
-    /// What stands behind the options in the help of a command and of all below it.
+    /// Text behind the options in the help of a command and of all below it.
     fn texts(command: &clap::Command) -> Vec<String> {
         let own = command.get_after_help().map(ToString::to_string);
         own.into_iter().chain(command.get_subcommands().flat_map(texts)).collect()

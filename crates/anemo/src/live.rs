@@ -137,7 +137,7 @@ pub struct LiveHost {
     pub device: Option<String>,
     pub feed: Feed,
     pub requests: Receiver<FeedRequest>,
-    /// Of a simulation.
+    /// Pace of a simulation.
     pub pace: Option<Pace>,
     pub interrupted: Arc<AtomicBool>,
     /// Time of the last row, s.

@@ -9,9 +9,9 @@ use crate::instrument::{InstrumentArguments, On};
 use crate::log_files::{ENDED, LogStatus, MarkReader};
 use crate::log_host::{Host, PressureFile};
 use crate::log_source::SourceArguments;
-use crate::options::PublishArguments;
 use crate::output::{Failure, complain};
 use crate::progress::{LiveTable, on_interrupt};
+use crate::publishing::PublishArguments;
 use crate::record::SessionEnd;
 use host_sim::experiment::Experiment;
 use host_sim::run::log::{LogOptions, LogSummary, log};
@@ -204,7 +204,7 @@ pub fn verdict(summary: &LogSummary) -> Result<(), Failure> {
     crate::record::verdict([early.map(SessionEnd::Early), tripped.map(SessionEnd::Tripped)])
 }
 
-/// How a log begins.
+/// Beginning of a log.
 struct Begin {
     /// Time of the first row, s: in a recording that is continued, behind its last.
     begin_s: f64,

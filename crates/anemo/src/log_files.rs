@@ -37,7 +37,7 @@ pub(super) struct MarkReader {
 }
 
 impl MarkReader {
-    /// Those that are there already have been read by somebody else.
+    /// Marks that are there already have been read by somebody else.
     pub fn new(folder: &Path) -> Self {
         let path = folder.join(MARKS);
         let read = path.metadata().map_or(0, |file| file.len());
@@ -69,7 +69,7 @@ pub(super) fn mark(text: &str) -> String {
     text.trim().chars().filter(|letter| !letter.is_control()).take(MOST_CHARACTERS).collect()
 }
 
-/// What a log says of itself.
+/// Status of a log.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct LogStatus {
     pub title: String,

@@ -1,4 +1,4 @@
-//! What stands around a log: its recording, who listens and asks, its files, the clock.
+//! Surroundings of a log: its recording, who listens and asks, its files, the clock.
 
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -49,7 +49,7 @@ pub(super) struct Host {
     pub begin: SystemTime,
     /// By the clock that nobody sets; of the first row.
     pub began: Option<Instant>,
-    /// Whether simulated rows wait for their time.
+    /// Simulated rows wait for their time.
     pub is_paced: bool,
     pub until_s: Option<f64>,
     pub mounting: HeadMounting,

@@ -1,4 +1,4 @@
-//! What a log heats: by an experiment, or by a head and a few options.
+//! Source of what a log heats: by an experiment, or by a head and a few options.
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;

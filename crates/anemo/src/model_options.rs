@@ -111,7 +111,7 @@ fn rates(text: &str) -> Result<usize, Failure> {
 }
 
 impl ModelOptions {
-    /// Which columns play which part, and where the temperature of the gas is from.
+    /// Columns and their parts, and where the temperature of the gas is from.
     pub fn selection(&self) -> (Selection, GasGiven) {
         if let Some(column) = &self.ambient {
             return (Selection { gas: Some(column.clone()), ..self.columns.selection() }, GasGiven::Unknown);
@@ -126,7 +126,7 @@ impl ModelOptions {
         (Selection { gas, ..self.columns.selection() }, given)
     }
 
-    /// What is asked of the model of a record.
+    /// Options of the model of a record.
     pub fn options(&self, survey: &Survey, gas: GasGiven) -> Result<IdentifyOptions, Failure> {
         let is_conductance = self.structure == Some(Structure::Conductance);
         for (name, is_given) in

@@ -1,4 +1,4 @@
-//! How a command ends: what it prints and writes, and the exit code of its failures.
+//! End of a command: what it prints and writes, and the exit code of its failures.
 
 use std::borrow::Cow;
 use std::cell::RefCell;
@@ -22,7 +22,7 @@ const MOST_LETTERS: usize = 2_000;
 pub struct Failure {
     /// The exit code.
     pub code: u8,
-    /// What is wrong, where, and what would be right.
+    /// Sentence: what is wrong, where, and what would be right.
     pub sentence: String,
 }
 
@@ -49,7 +49,7 @@ impl Display for Failure {
     }
 }
 
-/// As clap asks of what reads an option.
+/// Clap asks for it of what reads an option.
 impl std::error::Error for Failure {}
 
 impl From<FileError> for Failure {
@@ -89,12 +89,12 @@ pub fn sentence(text: &str) -> String {
     }
 }
 
-/// What a command says while it runs in another program, which passes it on in its own way.
+/// Words of a command while it runs in another program, which passes it on in its own way.
 #[derive(Debug, Default)]
 pub struct HeardCommand {
-    /// What would be on stdout.
+    /// Text for stdout.
     pub printed: String,
-    /// What would be there with --json, of commands that have it.
+    /// Text for stdout with --json, of commands that have it.
     pub json: Option<String>,
     /// Warnings and complaints, a sentence each.
     pub warnings: Vec<String>,
@@ -262,7 +262,7 @@ pub fn read_experiment(
     Ok((experiment, judgement))
 }
 
-/// Whether a file describes a head, and no experiment.
+/// Tells whether a file describes a head, and no experiment.
 pub fn is_head(source: &TomlSource) -> bool {
     let table: toml::Table = source.text.parse().unwrap_or_default();
     table.contains_key("elements") || table.contains_key("kinds")

@@ -132,7 +132,7 @@ fn predict_for_head(arguments: &Arguments) -> Result<(), Failure> {
     }
     if let Some(canvas) = canvas {
         let what = if taken.is_some() { "recorded" } else { "one-bit rule" };
-        // Of elements that no loop holds nothing is predicted but their temperature.
+        // Only the temperature is predicted of elements that no loop holds.
         let any = prediction.elements.iter().any(|of| of.regulated);
         let elements = prediction.elements.iter().zip(&powers).filter(|(of, _)| of.regulated || !any);
         let charts = elements.map(|(of, decimated)| PredictedCharts {

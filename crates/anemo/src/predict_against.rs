@@ -18,7 +18,7 @@ const OTHER_SET_POINT_K: f64 = 0.2;
 /// Powers further below zero than this share of the greatest are no noise.
 const NEGATIVE: f64 = 0.01;
 
-/// What a recording has of the model's elements, over the experiment's ticks.
+/// Columns of a recording for the model's elements, over the experiment's ticks.
 pub struct ComparedRecording {
     /// By input.
     pub power_w: Vec<Vec<f64>>,

@@ -64,7 +64,7 @@ pub(super) fn progress_bar() -> impl FnMut(&'static str, u64, u64) {
     }
 }
 
-/// What unwinds from work that shows its progress, once its caller wants its end.
+/// Payload that unwinds from work that shows its progress, once its caller wants its end.
 pub(super) struct Ended;
 
 fn end_if_interrupted() {
@@ -120,8 +120,8 @@ pub(super) struct LiveTable {
 }
 
 impl LiveTable {
-    /// Of a run of so many ticks, or one whose end is not known; winds come from a head with this
-    /// mounting.
+    /// Table of a run of so many ticks, or one whose end is not known; winds come from a head with
+    /// this mounting.
     pub fn new(title: &str, elements: Vec<String>, ticks: Option<u64>, mounting: HeadMounting) -> Self {
         let bar = std::io::stderr().is_terminal().then(|| {
             let bar = ProgressBar::with_draw_target(ticks, ProgressDrawTarget::stderr_with_hz(5));

@@ -102,7 +102,7 @@ pub(super) fn verdict(ends: [Option<SessionEnd>; 2]) -> Result<(), Failure> {
     }
 }
 
-/// What is written of a recording, as far as it is requested.
+/// Files of a recording, as far as it is requested.
 pub struct RecordingOutputs {
     recorder: Option<(PathBuf, Recorder)>,
     /// In place of a file.

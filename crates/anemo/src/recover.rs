@@ -21,7 +21,7 @@ pub struct Arguments {
     recordings: Vec<PathBuf>,
 }
 
-/// What is said of a journal that is damaged.
+/// Sentence about a damaged journal.
 pub fn put_aside(damaged: &Path) -> String {
     format!(
         "{}: the journal was damaged, so that rows may be wrong or missing; it is kept as it was",

@@ -55,7 +55,7 @@ pub fn execute(arguments: &Arguments, experiment: &DeviceExperiment) -> Result<(
     record(arguments, plan, open, conduct, outcome)
 }
 
-/// What decides: the board's firmware where that is wanted, this process otherwise.
+/// Controller that decides: the board's firmware where that is wanted, this process otherwise.
 fn controller(instrument: &InstrumentArguments) -> Result<Box<dyn LockStepController>, Failure> {
     let flash = instrument.flash()?;
     instrument.emulation.has_link(&instrument.on)?;
@@ -68,7 +68,7 @@ fn controller(instrument: &InstrumentArguments) -> Result<Box<dyn LockStepContro
     })
 }
 
-/// What the symbols are applied to.
+/// Port that the symbols are applied to.
 fn port(instrument: &InstrumentArguments, experiment: &DeviceExperiment) -> Result<Box<dyn DevicePort>, Failure> {
     let On::Scpi(address) = &instrument.on else {
         return Ok(Box::new(experiment.simulated().map_err(Failure::usage)?));

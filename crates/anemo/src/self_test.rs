@@ -7,7 +7,6 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use dr_core::control::self_test::plan::PULSE_LEAST_TICKS;
 use dr_core::control::{SelfTestFault, SelfTestPlan};
-use wire::Setting;
 
 use crate::instrument::{InstrumentArguments, On, OpenBoard};
 use crate::output::{Failure, warn};
@@ -198,17 +197,10 @@ fn show_stored(arguments: &Arguments, names: Vec<String>) -> Result<(), Failure>
     let mut board = OpenBoard::open(on, emulation, flash.unwrap_or(Path::new("")))?;
     let kept = settings::read_all(board.port()).map_err(Failure::work);
     board.close()?;
-    let records: Vec<_> = kept?
-        .0
-        .into_iter()
-        .filter_map(|kept| match kept.setting {
-            Ok(Setting::Tested(record)) => Some(record),
-            _ => None,
-        })
-        .collect();
-    let stored = StoredSelfTests { records, names };
+    let kept = kept?;
+    let stored = StoredSelfTests { tests: kept.test.into_iter().chain(kept.test_at_start).collect(), names };
     crate::output::print_report(&stored, arguments.json)?;
-    if stored.records.is_empty() {
+    if stored.tests.is_empty() {
         return Err(Failure::work("the board has kept no self-test"));
     }
     stored.faults().map_or(Ok(()), |faults| Err(Failure::work(format!("the kept self-tests have found {faults}"))))

@@ -53,7 +53,7 @@ pub struct CurrentRatioTicks {
     pub temperature_c: Vec<f64>,
     /// Power from this reading to the next, W.
     pub power_w: Vec<f64>,
-    /// Whether the level from this reading to the next, which is read under it, is the high one.
+    /// The level from this reading to the next, which is read under it, is the high one.
     pub high: Vec<bool>,
 }
 
@@ -64,7 +64,7 @@ pub struct CurrentRatioError {
     pub error_ppm: f64,
     /// Its standard uncertainty, ppm.
     pub error_u_ppm: f64,
-    /// How many ticks it is from.
+    /// Number of its ticks.
     pub ticks: usize,
 }
 
@@ -135,7 +135,7 @@ fn warmed(power_w: &[f64], tau: f64) -> Vec<f64> {
     power_w[..power_w.len() - 1].iter().scan(power_w[0], state).collect()
 }
 
-/// What is quick of a column: each value less the mean of those around.
+/// Quick part of a column: each value less the mean of those around.
 fn quick(column: &[f64]) -> DVector<f64> {
     let width = 2 * HALF + 1;
     // Sums of differences from one value stay small.
@@ -157,7 +157,7 @@ fn quick(column: &[f64]) -> DVector<f64> {
 fn regression(columns: &[DVector<f64>], read: &DVector<f64>) -> Result<(f64, f64), CurrentRatioUnknown> {
     let level = &columns[0];
     let heat = DMatrix::from_columns(&columns[1..]);
-    // Of unit length each, so that slow columns count as quick ones do.
+    // Columns have unit length, so that slow columns count as quick ones do.
     let lengths: Vec<f64> = heat.column_iter().map(|column| column.norm().max(f64::MIN_POSITIVE)).collect();
     let heat = DMatrix::from_fn(heat.nrows(), heat.ncols(), |n, k| heat[(n, k)] / lengths[k]);
     let factor = Cholesky::new(heat.tr_mul(&heat)).ok_or(CurrentRatioUnknown::Correlated)?;

@@ -27,7 +27,7 @@ pub struct GasError {
     pub name: &'static str,
     /// Its value.
     pub value: f64,
-    /// What it may be.
+    /// Values that it may have.
     pub expected: &'static str,
 }
 
@@ -59,7 +59,7 @@ pub enum Species {
 }
 
 impl Species {
-    /// As experiments write it.
+    /// Name in experiments.
     pub fn name(self) -> &'static str {
         match self {
             Species::CarbonDioxide => "co2",
@@ -76,7 +76,7 @@ impl Species {
 /// A gas at rest at one temperature and pressure, with its properties computed once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IdealGas {
-    /// Which gas.
+    /// Gas.
     pub species: Species,
     /// Temperature, K.
     pub temperature_k: f64,

@@ -20,13 +20,13 @@ pub trait DevicePort {
     /// If that cannot be made sure of.
     fn release(&mut self) -> Result<(), PortError>;
 
-    /// What the readings of the last symbol should have shown, where it is simulated.
+    /// Values that the readings of the last symbol should have shown, where it is simulated.
     fn truth(&self) -> Option<DeviceTruth> {
         None
     }
 }
 
-/// What a simulated device had at the readings of a symbol.
+/// Values that a simulated device had at the readings of a symbol.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DeviceTruth {
     /// V_sh, the mean of both, V.
@@ -39,9 +39,9 @@ pub struct DeviceTruth {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{sentence}{}", if *is_released { "; the bias is 0 V" } else { "; that the bias is 0 V is not certain: take it off by hand" })]
 pub struct PortError {
-    /// What is wrong, and what would be right.
+    /// Sentence: what is wrong, and what would be right.
     pub sentence: String,
-    /// Whether the device is known to be at 0 V.
+    /// The device is known to be at 0 V.
     pub is_released: bool,
 }
 

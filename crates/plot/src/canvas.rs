@@ -5,14 +5,16 @@ use std::fmt::{self, Display, Formatter};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+use anyhow::{anyhow, ensure};
+
 use crate::engine::chart::Figure;
-use crate::picture::{PictureFormat, PictureWidth, PlotError};
+use crate::picture::{PictureFormat, PictureWidth};
 use crate::{model, run};
 use diffusive::model::Model;
 use recording::text::count;
 use recording::{Temporary, ThinnedRecording};
 
-/// What a picture's file is beside its name.
+/// Options of a picture beside its name.
 #[derive(Debug, Clone, Default)]
 pub struct PictureOptions {
     /// Its width on paper; a figure's own if none.
@@ -37,7 +39,7 @@ impl Canvas {
     ///
     /// # Errors
     /// If the name does not end in `.svg`, `.pdf` or `.png`, or the file cannot be written.
-    pub fn create(path: &Path) -> Result<Self, PlotError> {
+    pub fn create(path: &Path) -> anyhow::Result<Self> {
         Self::with(path, PictureOptions::default())
     }
 
@@ -45,10 +47,9 @@ impl Canvas {
     ///
     /// # Errors
     /// If neither the name nor an option says the format, or the file cannot be written.
-    pub fn with(path: &Path, options: PictureOptions) -> Result<Self, PlotError> {
+    pub fn with(path: &Path, options: PictureOptions) -> anyhow::Result<Self> {
         let format = options.format.map_or_else(|| PictureFormat::of(path), Ok)?;
-        let failed = |error: std::io::Error| PlotError::Io { path: path.to_owned(), reason: error.to_string() };
-        let (temporary, file) = Temporary::create(path).map_err(failed)?;
+        let (temporary, file) = Temporary::create(path).map_err(|error| unwritten(path, &error))?;
         Ok(Self { path: path.to_owned(), format, options, temporary, file })
     }
 
@@ -57,18 +58,22 @@ impl Canvas {
     /// # Errors
     /// If the figure has no such panel, or the file cannot be written; what was there before is
     /// still there.
-    pub fn draw(mut self, figure: &Figure) -> Result<(), PlotError> {
+    pub fn draw(mut self, figure: &Figure) -> anyhow::Result<()> {
         let mut figure = figure.clone().only(&self.options.panels)?;
         if let Some(width) = self.options.width {
             figure = figure.at(width);
         }
         let content = self.format.encode(figure.svg())?;
         let written = self.file.write_all(&content).and_then(|()| self.temporary.keep());
-        written.map_err(|error| PlotError::Io { path: self.path, reason: error.to_string() })
+        written.map_err(|error| unwritten(&self.path, &error))
     }
 }
 
-/// What was drawn into which file.
+fn unwritten(path: &Path, error: &std::io::Error) -> anyhow::Error {
+    anyhow!("{}: cannot be written: {error}", path.display())
+}
+
+/// Report of a picture.
 #[derive(Debug, serde::Serialize)]
 #[serde(untagged)]
 pub enum PlotReport {
@@ -112,11 +117,13 @@ impl TimeCrop {
     }
 
     /// Reads this part.
-    fn read(self, path: &Path) -> Result<ThinnedRecording, PlotError> {
+    fn read(self, path: &Path) -> anyhow::Result<ThinnedRecording> {
         let range_s = self.from_s.unwrap_or(f64::NEG_INFINITY)..=self.to_s.unwrap_or(f64::INFINITY);
         let part = ThinnedRecording::read(path, &range_s)?;
         let (first_s, last_s) = part.span_s;
-        if part.rows == 0 { Err(PlotError::Crop { path: path.to_owned(), first_s, last_s }) } else { Ok(part) }
+        let path = path.display();
+        ensure!(part.rows > 0, "{path}: has no row between these times; it lasts from {first_s} s to {last_s} s");
+        Ok(part)
     }
 }
 
@@ -126,17 +133,14 @@ impl TimeCrop {
 /// # Errors
 /// If the file cannot be read or holds nothing to draw, if a part of a model's time is requested,
 /// or the picture cannot be written.
-pub fn draw_file(
-    file: &Path,
-    picture: &Path,
-    options: PictureOptions,
-    crop: TimeCrop,
-) -> Result<PlotReport, PlotError> {
+pub fn draw_file(file: &Path, picture: &Path, options: PictureOptions, crop: TimeCrop) -> anyhow::Result<PlotReport> {
     let plot = picture.display().to_string();
     if has_extension(file, "json") {
-        if !crop.is_whole() {
-            return Err(PlotError::CroppedModel(file.to_owned()));
-        }
+        let file_name = file.display();
+        ensure!(
+            crop.is_whole(),
+            "{file_name}: is a model, whose axes are rates; a part of the time is drawn of recordings only"
+        );
         let model = Model::read(file)?;
         Canvas::with(picture, options)?.draw(&model::figure(&model, &[]))?;
         return Ok(PlotReport::Model { plot, pairs: model.pairs.len() });

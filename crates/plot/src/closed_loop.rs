@@ -76,7 +76,7 @@ pub fn analysis_figure(pair: &str, analysis: &Analysis, changes: &[(String, Wind
     figure.row([in_the_way.into_iter().fold(chart, Chart::limit)])
 }
 
-/// Those levels that lie within what curves reach.
+/// Levels that lie within what curves reach.
 fn within(levels: &[f64], curves: &[&Vec<(f64, f64)>]) -> Vec<f64> {
     let values = curves.iter().flat_map(|curve| curve.iter().map(|(_, value)| *value));
     let Some((least, most)) = extent(values) else { return Vec::new() };

@@ -12,13 +12,13 @@ const VIEW: f64 = 52.0;
 const NETWORK: f64 = 60.0;
 /// More nodes of one column than this have no names.
 const NAMED: usize = 16;
-/// What an axis of a view shows: a normal has the length 1, and a name stands behind its tip.
+/// Reach of an axis of a view: a normal has the length 1, and a name stands behind its tip.
 const REACH: f64 = 1.3;
 
 /// Speed in m/s, and the least and greatest power over directions, mW.
 pub type NeededPower = (f64, f64, f64);
 
-/// What is drawn of a head.
+/// Sketch of a head.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct HeadSketch {
     /// Name of the head.
@@ -31,7 +31,7 @@ pub struct HeadSketch {
     pub nodes: Vec<String>,
     /// Ends of every link; none is the support.
     pub links: Vec<(usize, Option<usize>)>,
-    /// Of every held element.
+    /// Powers of every held element.
     pub powers_mw: Vec<(String, Vec<NeededPower>)>,
     /// Power of the lowest high level, mW.
     pub high_mw: Option<f64>,
@@ -165,7 +165,7 @@ fn powers(sketch: &HeadSketch) -> Chart {
     }
 }
 
-/// Whether two elements need the same within what a line is wide.
+/// Tells whether two elements need the same within what a line is wide.
 fn same(one: &[NeededPower], other: &[NeededPower]) -> bool {
     let near = |a: f64, b: f64| (a - b).abs() <= 0.02 * a.abs();
     one.iter().zip(other).all(|(a, b)| near(a.1, b.1) && near(a.2, b.2))

@@ -23,7 +23,7 @@
 //! let figure = Figure::new("Found against exact").subtitle("least squares, 3 rates");
 //! let svg = figure.row([chart]).at(PictureWidth::mm(88.0)?).svg();
 //! assert!(svg.starts_with("<svg width=\"88mm\"") && svg.contains("Rate (rad/s)"));
-//! # Ok::<(), plot::PlotError>(())
+//! # Ok::<(), anyhow::Error>(())
 //! ```
 //!
 //! | module | what it draws |
@@ -54,7 +54,7 @@ pub use engine::chart::{Chart, Figure};
 pub use engine::reduce::Bin;
 pub use engine::trace::Trace;
 pub use engine::words::brief;
-pub use picture::{PictureFormat, PictureWidth, PlotError};
+pub use picture::{PictureFormat, PictureWidth};
 
 #[cfg(test)]
 mod on_paper;

@@ -1,4 +1,4 @@
-//! What a journal asks of every figure of the crate: type of 6 pt at any width, nothing beyond the
+//! Demands of a journal on every figure of the crate: type of 6 pt at any width, nothing beyond the
 //! page, axis titles with units, two labels an axis.
 
 use crate::engine::axis::Axis;

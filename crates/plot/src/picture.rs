@@ -1,17 +1,16 @@
-//! A picture on paper and on disk: its width, its format, its errors, and the way from SVG to PDF
+//! A picture on paper and on disk: its width, its format, and the way from SVG to PDF
 //! and PNG.
 //!
 //! PDF and PNG are made from the SVG with the embedded face, so that they are the same on every
 //! machine. Text of a PDF stays text; a PNG has 300 dots an inch.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::str::FromStr;
 use std::sync::Arc;
 
 use crate::engine::svg::MM;
 use crate::engine::words::Weight;
-use diffusive::model::ModelError;
-use recording::RecordingError;
+use anyhow::{anyhow, bail, ensure};
 use resvg::{tiny_skia, usvg};
 
 /// Points in an inch, and dots of a PNG.
@@ -20,8 +19,8 @@ const DOTS_PER_INCH: f32 = 300.0;
 /// Widths that a picture can have, mm.
 const WIDTHS: std::ops::RangeInclusive<f64> = 60.0..=400.0;
 
-/// How wide a picture is on paper: 60 to 400 mm. A journal's double column of 180 mm is the
-/// default; a single column has 88 mm.
+/// Width of a picture on paper: 60 to 400 mm. A journal's double column of 180 mm is the default; a
+/// single column has 88 mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PictureWidth(f64);
 
@@ -30,8 +29,9 @@ impl PictureWidth {
     ///
     /// # Errors
     /// If it is not within 60 to 400 mm.
-    pub fn mm(width: f64) -> Result<Self, PlotError> {
-        if WIDTHS.contains(&width) { Ok(Self(width)) } else { Err(PlotError::Width(width.to_string())) }
+    pub fn mm(width: f64) -> anyhow::Result<Self> {
+        ensure!(WIDTHS.contains(&width), "a picture is 60 to 400 mm wide, not `{width}`");
+        Ok(Self(width))
     }
 
     pub(crate) fn points(self) -> f64 {
@@ -47,10 +47,10 @@ impl Default for PictureWidth {
 
 /// Reads millimetres.
 impl FromStr for PictureWidth {
-    type Err = PlotError;
+    type Err = anyhow::Error;
 
-    fn from_str(text: &str) -> Result<Self, PlotError> {
-        text.parse().map_or_else(|_| Err(PlotError::Width(text.to_owned())), Self::mm)
+    fn from_str(text: &str) -> anyhow::Result<Self> {
+        Self::mm(text.parse().map_err(|_| anyhow!("a picture is 60 to 400 mm wide, not `{text}`"))?)
     }
 }
 
@@ -70,18 +70,18 @@ impl PictureFormat {
     ///
     /// # Errors
     /// If it is none of a picture.
-    pub fn of(path: &Path) -> Result<Self, PlotError> {
+    pub fn of(path: &Path) -> anyhow::Result<Self> {
         match path.extension().unwrap_or_default().to_ascii_lowercase().to_str() {
             Some("svg") => Ok(Self::Svg),
             Some("pdf") => Ok(Self::Pdf),
             Some("png") => Ok(Self::Png),
-            _ => Err(PlotError::Extension(path.to_owned())),
+            _ => bail!("{}: a picture's name ends in .svg, .pdf or .png", path.display()),
         }
     }
 
     /// The content of a file of this format with the picture of an SVG.
-    pub(crate) fn encode(self, svg: String) -> Result<Vec<u8>, PlotError> {
-        let failed = |reason: &dyn std::fmt::Display| PlotError::Encoding(reason.to_string());
+    pub(crate) fn encode(self, svg: String) -> anyhow::Result<Vec<u8>> {
+        let failed = |reason: &dyn std::fmt::Display| anyhow!("the picture cannot be converted: {reason}");
         if self == Self::Svg {
             return Ok(svg.into_bytes());
         }
@@ -120,56 +120,4 @@ fn png_of(dots: &tiny_skia::Pixmap) -> Result<Vec<u8>, png::EncodingError> {
     let colours: Vec<u8> = dots.pixels().iter().flat_map(|dot| [dot.red(), dot.green(), dot.blue()]).collect();
     encoder.write_header()?.write_image_data(&colours)?;
     Ok(content)
-}
-
-/// Why a picture cannot be drawn.
-#[derive(Debug, thiserror::Error)]
-pub enum PlotError {
-    /// The file's name is not that of a picture.
-    #[error("{}: a picture's name ends in .svg, .pdf or .png", .0.display())]
-    Extension(PathBuf),
-    /// A page has no such width.
-    #[error("a picture is 60 to 400 mm wide, not `{0}`")]
-    Width(String),
-    /// PDF or PNG cannot be made of a figure.
-    #[error("the picture cannot be converted: {0}")]
-    Encoding(String),
-    /// No panel's caption begins so.
-    #[error("the picture has no panel `{name}`; it has `{panels}`")]
-    Panel {
-        /// The name that was given.
-        name: String,
-        /// Captions of the panels that there are.
-        panels: String,
-    },
-    /// There is no row between the times that were requested.
-    #[error("{}: has no row between these times; it lasts from {first_s} s to {last_s} s", path.display())]
-    Crop {
-        /// Of the recording.
-        path: PathBuf,
-        /// Time of its first row, s.
-        first_s: f64,
-        /// Time of its last row, s.
-        last_s: f64,
-    },
-    /// A model has no time of which a part could be drawn.
-    #[error("{}: is a model, whose axes are rates; a part of the time is drawn of recordings only", .0.display())]
-    CroppedModel(PathBuf),
-    /// The picture cannot be written.
-    #[error("{}: cannot be written: {reason}", path.display())]
-    Io {
-        /// Of the picture.
-        path: PathBuf,
-        /// The reason that the system gives.
-        reason: String,
-    },
-    /// The recording cannot be read.
-    #[error(transparent)]
-    Recording(#[from] RecordingError),
-    /// The model cannot be read.
-    #[error(transparent)]
-    Model(#[from] ModelError),
-    /// The table is none that a run or an anemometer makes.
-    #[error("{}: holds none of the columns that a run records, such as temperature_c_<element>", .0.display())]
-    Nothing(PathBuf),
 }

@@ -1,4 +1,5 @@
-//! What a listener may ask of the run, each with an answer: done, or the sentence of a refusal.
+//! Commands that a listener may give to the run, each with an answer: done, or the sentence of a
+//! refusal.
 
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
 use std::time::Duration;
@@ -54,7 +55,7 @@ pub struct FeedCommands(SyncSender<FeedRequest>);
 /// A command and where its answer goes to.
 #[derive(Debug)]
 pub struct FeedRequest {
-    /// What is asked for.
+    /// Command.
     pub command: FeedCommand,
     answer: SyncSender<CommandAnswer>,
 }

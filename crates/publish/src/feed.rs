@@ -14,7 +14,7 @@ use dr_core::wind::QualityFlags;
 use recording::head_mounting::{HeadMounting, from_deg};
 use wire::WindSample;
 
-/// What is known of an instrument before its first row.
+/// Layout of an instrument's feed, before its first row.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FeedLayout {
     /// Title of the run.
@@ -80,7 +80,8 @@ pub struct FeedRow {
 /// A wind estimate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FeedWind {
-    /// As the board sent it: vector (where the gas goes to), uncertainties, flags, conductances.
+    /// Estimate as the board sent it: vector (where the gas goes to), uncertainties, flags,
+    /// conductances.
     pub estimate: WindSample,
     /// Direction from which it blows, degrees clockwise from north, in 0 … 360.
     pub from_deg: f64,
@@ -96,25 +97,25 @@ impl FeedWind {
         Self { from_deg: from_deg(earth_m_s), horizontal_m_s: libm::hypot(east_m_s, north_m_s), estimate }
     }
 
-    /// Whether there is a wind vector: speed and direction mean something.
+    /// Tells whether there is a wind vector: speed and direction mean something.
     pub fn is_valid(&self) -> bool {
         !self.estimate.quality_flags.has(QualityFlags::FAILED)
     }
 
-    /// Whether the direction means something, too.
+    /// Tells whether the direction means something, too.
     pub fn has_direction(&self) -> bool {
         self.is_valid() && !self.estimate.quality_flags.has(QualityFlags::NO_DIRECTION)
     }
 }
 
-/// What happened.
+/// Event.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FeedEvent {
     /// Since the start of the run, s.
     pub time_s: f64,
     /// The same instant by the host's clock.
     pub utc: SystemTime,
-    /// What it was.
+    /// Kind.
     pub kind: FeedEventKind,
 }
 
@@ -198,7 +199,7 @@ struct FeedHub {
     queues: Mutex<Vec<Weak<FeedQueue>>>,
 }
 
-/// What waits for one reader.
+/// Items that wait for one reader.
 #[derive(Debug)]
 struct FeedQueue {
     capacity: usize,
@@ -224,7 +225,7 @@ impl Feed {
         Self(Arc::new(FeedHub { layout, queues: Mutex::default() }))
     }
 
-    /// What is known of the instrument.
+    /// Layout of the feed.
     pub fn layout(&self) -> &FeedLayout {
         &self.0.layout
     }

@@ -1,4 +1,4 @@
-//! What a running anemometer tells other programs.
+//! Messages of a running anemometer to other programs.
 //!
 //! | module | what it is |
 //! |---|---|

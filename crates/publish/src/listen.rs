@@ -14,7 +14,7 @@ use std::{fmt, io};
 #[allow(clippy::disallowed_types)]
 use std::net::{TcpListener, UdpSocket};
 
-/// What listeners may bind to, and what commands need.
+/// Addresses that listeners may bind to, and what commands need.
 #[derive(Debug, Clone)]
 pub struct Listening {
     /// The address of `--listen`.
@@ -44,7 +44,7 @@ impl Listening {
         Self { beyond, token }
     }
 
-    /// What a listener wants to hear before it obeys.
+    /// Token that a listener wants before it obeys.
     pub fn token(&self) -> &Token {
         &self.token
     }
@@ -170,7 +170,7 @@ impl Token {
         &self.0
     }
 
-    /// Whether `given` is it, in a time that does not depend on where they differ.
+    /// Tells whether `given` is it, in a time that does not depend on where they differ.
     pub fn is(&self, given: &str) -> bool {
         let (known, given) = (self.0.as_bytes(), given.as_bytes());
         let difference = known.iter().zip(given).fold(0, |difference, (a, b)| difference | (a ^ b));

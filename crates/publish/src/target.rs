@@ -11,7 +11,8 @@
 //! `every=SECONDS` after a question mark is the least time from one row to the next: 1 for MQTT, 0
 //! (every row with a wind estimate) for the others.
 
-use recording::toml_file::{FileError, TomlSource};
+use anyhow::{Context, anyhow, bail, ensure};
+use recording::toml_file::TomlSource;
 use serde::Deserialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -38,7 +39,7 @@ pub(crate) struct PublishLogin {
     pub(crate) password: String,
 }
 
-/// What is sent.
+/// Format that is sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum PublishFormat {
     Nmea,
@@ -61,42 +62,30 @@ pub(crate) enum PublishWay {
     Connection { host: String, port: u16, is_encrypted: bool },
 }
 
-/// Why an address is none.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum TargetError {
-    /// No such format or way.
-    #[error("`{0}` is nowhere to publish: an address begins with {known}", known = KNOWN)]
-    Scheme(String),
-    /// No host, or no port where one is needed.
-    #[error("`{0}` lacks {1}")]
-    Missing(String, &'static str),
-    /// An option that is not known here, or no number.
-    #[error("`{0}`: {1}")]
-    Option(String, String),
-    /// A file that cannot be used.
-    #[error(transparent)]
-    File(#[from] FileError),
-}
-
 const KNOWN: &str = "nmea+udp, nmea+tcp, nmea+serial (the same with gill and gill-uv), mqtt, mqtts or scpi";
 
+/// Refusal of an address without a known format or way.
+fn nowhere(address: &str) -> String {
+    format!("`{address}` is nowhere to publish: an address begins with {KNOWN}")
+}
+
 impl PublishTarget {
-    /// Whether it is told of nothing but the wind.
+    /// Tells whether it is told of nothing but the wind.
     pub const fn is_wind_only(&self) -> bool {
         matches!(self.format, PublishFormat::Nmea | PublishFormat::GillPolar | PublishFormat::GillUv)
     }
 
-    /// Whether its clients can command, if they know the token.
+    /// Tells whether its clients can command, if they know the token.
     pub fn takes_commands(&self) -> bool {
         self.format == PublishFormat::Scpi
     }
 }
 
 impl FromStr for PublishTarget {
-    type Err = TargetError;
+    type Err = anyhow::Error;
 
-    fn from_str(address: &str) -> Result<Self, TargetError> {
-        let (scheme, rest) = address.split_once(':').ok_or_else(|| TargetError::Scheme(address.to_owned()))?;
+    fn from_str(address: &str) -> anyhow::Result<Self> {
+        let (scheme, rest) = address.split_once(':').with_context(|| nowhere(address))?;
         let (place, query) = rest.split_once('?').unwrap_or((rest, ""));
         let place = place.strip_prefix("//").unwrap_or(place);
         let (login, place) = match place.rsplit_once('@') {
@@ -113,10 +102,10 @@ impl FromStr for PublishTarget {
             ("mqtt", "") => (PublishFormat::Mqtt, Some(1_883)),
             ("mqtts", "") => (PublishFormat::Mqtt, Some(8_883)),
             ("scpi", "") => (PublishFormat::Scpi, Some(5_025)),
-            _ => return Err(TargetError::Scheme(name)),
+            _ => bail!(nowhere(&name)),
         };
         let way = match (scheme, way) {
-            (_, "serial") if place.is_empty() => return Err(TargetError::Missing(name, "a device")),
+            (_, "serial") if place.is_empty() => bail!("`{name}` lacks a device"),
             // The speeds that the makers of the formats chose.
             (_, "serial") => {
                 let baud = options.baud.take().unwrap_or(if format == PublishFormat::Nmea { 4_800 } else { 9_600 });
@@ -126,7 +115,7 @@ impl FromStr for PublishTarget {
                 let (host, port) = host_and_port(&name, place, port)?;
                 match (scheme, way) {
                     // Only a listener may take any that is free.
-                    _ if port == 0 && way != "tcp" && scheme != "scpi" => return Err(TargetError::Missing(name, PORT)),
+                    _ if port == 0 && way != "tcp" && scheme != "scpi" => bail!("`{name}` lacks {PORT}"),
                     (_, "udp") => PublishWay::Datagrams(format!("{host}:{port}")),
                     (_, "tcp") | ("scpi", _) => PublishWay::Listener(format!("{host}:{port}")),
                     _ => PublishWay::Connection {
@@ -152,9 +141,9 @@ impl PublishLogin {
 
 const PORT: &str = "a port: 1 … 65535";
 
-fn host_and_port(name: &str, place: &str, port: Option<u16>) -> Result<(String, u16), TargetError> {
+fn host_and_port(name: &str, place: &str, port: Option<u16>) -> anyhow::Result<(String, u16)> {
     let place = place.trim_end_matches('/');
-    let missing = |what| TargetError::Missing(name.to_owned(), what);
+    let missing = |what| anyhow!("`{name}` lacks {what}");
     // Colons in brackets are those of an address of version 6.
     let (host, given) = match place.rsplit_once(':') {
         Some((host, port)) if !port.ends_with(']') => (host, Some(port.parse().map_err(|_| missing(PORT))?)),
@@ -166,7 +155,7 @@ fn host_and_port(name: &str, place: &str, port: Option<u16>) -> Result<(String, 
     Ok((host.to_owned(), given.or(port).ok_or_else(|| missing("a port"))?))
 }
 
-/// What stands behind the question mark.
+/// Options behind the question mark.
 #[derive(Default)]
 struct TargetOptions<'a> {
     every_s: Option<f64>,
@@ -176,13 +165,13 @@ struct TargetOptions<'a> {
 }
 
 impl<'a> TargetOptions<'a> {
-    fn read(name: &str, query: &'a str) -> Result<Self, TargetError> {
+    fn read(name: &str, query: &'a str) -> anyhow::Result<Self> {
         let mut options = Self::default();
         for option in query.split('&').filter(|option| !option.is_empty()) {
-            let wrong = |what: &str| TargetError::Option(name.to_owned(), format!("`{option}` is no {what}"));
-            let once = |is_first: bool| {
-                let twice = || TargetError::Option(name.to_owned(), format!("`{option}` stands beside another"));
-                if is_first { Ok(()) } else { Err(twice()) }
+            let wrong = |what: &str| anyhow!("`{name}`: `{option}` is no {what}");
+            let once = |is_first: bool| -> anyhow::Result<()> {
+                ensure!(is_first, "`{name}`: `{option}` stands beside another");
+                Ok(())
             };
             match option.split_once('=') {
                 Some(("every", seconds)) => {
@@ -200,11 +189,9 @@ impl<'a> TargetOptions<'a> {
         Ok(options)
     }
 
-    fn all_used(&self, name: &str) -> Result<(), TargetError> {
+    fn all_used(&self, name: &str) -> anyhow::Result<()> {
         let unknown = self.unknown.or(self.baud.map(|_| "baud"));
-        unknown.map_or(Ok(()), |option| {
-            Err(TargetError::Option(name.to_owned(), format!("`{option}` is no option of it; `every=SECONDS` is")))
-        })
+        unknown.map_or(Ok(()), |option| bail!("`{name}`: `{option}` is no option of it; `every=SECONDS` is"))
     }
 }
 
@@ -241,7 +228,7 @@ struct TargetEntry {
 ///
 /// # Errors
 /// What is wrong with the address, or the file and its line.
-pub fn targets(argument: &str) -> Result<Vec<PublishTarget>, TargetError> {
+pub fn targets(argument: &str) -> anyhow::Result<Vec<PublishTarget>> {
     let path = Path::new(argument);
     if path.extension().is_none_or(|extension| extension != "toml") {
         return Ok(vec![argument.parse()?]);
@@ -254,9 +241,9 @@ pub fn targets(argument: &str) -> Result<Vec<PublishTarget>, TargetError> {
 }
 
 impl TargetEntry {
-    fn target(self, index: usize, source: &TomlSource, folder: &Path) -> Result<PublishTarget, TargetError> {
+    fn target(self, index: usize, source: &TomlSource, folder: &Path) -> anyhow::Result<PublishTarget> {
         let refuse =
-            |error: TargetError| source.refuse(&format!("publish[{index}].to"), format!("is refused: {error}"));
+            |error: anyhow::Error| source.refuse(&format!("publish[{index}].to"), format!("is refused: {error}"));
         let mut target: PublishTarget = self.to.parse().map_err(refuse)?;
         if let Some(user) = self.user {
             target.login = Some(PublishLogin { user, password: self.password.unwrap_or_default() });

@@ -5,7 +5,7 @@ use recording::{ColumnValues, Recording, text::tidy};
 
 const TABLE: &str = "t,u_V,phase\n0,9.5,warm-up\n0.5,9.1,warm-up\n1,9,steady\n1.5,9,steady\n";
 
-/// What there is to say of the table.
+/// Text about the table.
 pub fn text() -> Result<String, Box<dyn std::error::Error>> {
     let folder = tempfile::tempdir()?;
     let path = folder.path().join("bridge.csv");

@@ -109,7 +109,7 @@ impl ColumnWords {
         self.rows.len()
     }
 
-    /// Whether there is no row.
+    /// Tells whether there is no row.
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
@@ -156,7 +156,7 @@ impl ColumnValues {
         *self = self.between(rows);
     }
 
-    /// Of two rows the first; an odd last one stays.
+    /// Keeps the first of two rows; an odd last one stays.
     pub(crate) fn keep_every_second(&mut self) {
         match self {
             Self::Numbers(numbers) => *numbers = numbers.chunks(2).map(|pair| pair[0]).collect(),
@@ -164,7 +164,7 @@ impl ColumnValues {
         }
     }
 
-    /// Whether there is no row.
+    /// Tells whether there is no row.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -192,7 +192,7 @@ impl ColumnValues {
     }
 }
 
-/// How a column is stored.
+/// Form in which a column is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum ColumnKind {
     /// f64.
@@ -221,7 +221,7 @@ impl ColumnKind {
         }
     }
 
-    /// Whether a missing number is none in the file, and no NaN.
+    /// Tells whether a missing number is none in the file, and no NaN.
     #[cfg(feature = "parquet")]
     pub(crate) const fn is_optional(self) -> bool {
         matches!(self, Self::Flags)
@@ -267,7 +267,7 @@ pub(crate) trait RowSink {
     fn finish(self: Box<Self>, metadata: &Metadata) -> io::Result<()>;
 }
 
-/// What a reader knows of its file, whatever the format.
+/// Knowledge of a reader about its file, whatever the format.
 pub(crate) struct TableHead {
     pub path: PathBuf,
     /// Names of the columns, in the file's order.

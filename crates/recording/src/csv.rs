@@ -41,7 +41,7 @@ pub(crate) fn checksum(before: u32, bytes: &[u8]) -> u32 {
     sum.finalize()
 }
 
-/// What a line says that is a checksum.
+/// Checksum that a line states.
 pub(crate) fn stated_checksum(line: &[u8]) -> Option<u32> {
     let (key, value) = metadata_of(std::str::from_utf8(line).ok()?.trim_end())?;
     (key == CHECKSUM).then(|| u32::from_str_radix(&value, 16).ok())?
@@ -132,7 +132,7 @@ fn write_metadata(file: &mut impl io::Write, metadata: &Metadata) -> io::Result<
     Ok(())
 }
 
-/// What a `#` line says.
+/// Metadata of a `#` line.
 pub(crate) fn metadata_of(line: &str) -> Option<(String, String)> {
     let (key, value) = line.strip_prefix('#')?.split_once(':')?;
     let mut plain = String::with_capacity(value.len());

@@ -25,10 +25,10 @@ pub(crate) struct CsvLines {
     ahead: VecDeque<Vec<u8>>,
     /// A line break inside quotes does not start a line.
     quoted: bool,
-    /// Whether the file may end in the middle of a row, which is then none: a journal whose
-    /// program was killed, or whose last blocks the disk has not got.
+    /// The file may end in the middle of a row, which is then none: a journal whose program was
+    /// killed, or whose last blocks the disk has not got.
     may_be_torn: bool,
-    /// Whether runs of blanks separate columns: they are handed out as tabs.
+    /// Runs of blanks separate columns: they are handed out as tabs.
     has_runs: bool,
     metadata: Metadata,
 }
@@ -51,7 +51,7 @@ impl CsvLines {
         })
     }
 
-    /// What remarks have said so far.
+    /// Metadata of the remarks so far.
     pub(crate) fn metadata(&self) -> &Metadata {
         &self.metadata
     }
@@ -98,7 +98,7 @@ impl CsvLines {
                 return Err(io::Error::new(io::ErrorKind::InvalidData, "zeros stand before the last row"));
             }
             if read == 0 || self.may_be_torn && !line.ends_with(b"\n") {
-                // What stands before belongs to a row that is not whole.
+                // The text before belongs to a row that is not whole.
                 self.line.truncate(if self.may_be_torn { 0 } else { start });
                 return Ok(!self.line.is_empty());
             }
@@ -137,7 +137,7 @@ impl io::Read for CsvLines {
 const DELIMITERS: [u8; 4] = [b'\t', b';', b',', BLANK];
 /// Stands for runs of blanks.
 pub(crate) const BLANK: u8 = b' ';
-/// What is written for a value that is none, whatever the case.
+/// Words that are written for a missing value, whatever the case.
 const MISSING: [&str; 4] = ["", "na", "n/a", "null"];
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -146,7 +146,7 @@ pub(crate) struct Dialect {
     has_decimal_comma: bool,
 }
 
-/// As we write it.
+/// Dialect of files that are written here.
 impl Default for Dialect {
     fn default() -> Self {
         Self { delimiter: b',', has_decimal_comma: false }
@@ -154,7 +154,7 @@ impl Default for Dialect {
 }
 
 impl Dialect {
-    /// Of the first lines of a file, the first of which may name the columns.
+    /// Dialect of the first lines of a file, the first of which may name the columns.
     pub(crate) fn of(lines: &[Vec<u8>]) -> Self {
         let lines: Vec<&[u8]> = lines.iter().map(|line| line.trim_ascii()).filter(|line| !line.is_empty()).collect();
         let Some((first, rows)) = lines.split_first() else { return Self::default() };
@@ -167,7 +167,7 @@ impl Dialect {
             };
             if wanted == 0 { None } else { Some(rows.iter().filter(fits).count()) }
         };
-        // Of equal ones the first.
+        // The first of equal ones.
         let scored = DELIMITERS.into_iter().rev().filter_map(|delimiter| Some((score(delimiter)?, delimiter)));
         let Some((_, delimiter)) = scored.max_by_key(|(score, _)| *score) else { return Self::default() };
         let mut cells = rows.iter().flat_map(|row| row.split(move |&byte| is_separator(byte, delimiter)));
@@ -188,7 +188,7 @@ impl Dialect {
         if self.has_decimal_comma && has_one() { cell.replace(',', ".").parse().ok() } else { None }
     }
 
-    /// Whether a cell may stand in a row of values, rather than in one of names.
+    /// Tells whether a cell may stand in a row of values, rather than in one of names.
     pub(crate) fn is_value(self, cell: &str) -> bool {
         self.number(cell).is_some() || utc::from_text(cell).is_some()
     }
@@ -202,7 +202,7 @@ fn is_separator(byte: u8, delimiter: u8) -> bool {
     byte == delimiter || delimiter == BLANK && byte == b'\t'
 }
 
-/// How many separators a line has outside quotes; a run of blanks is one.
+/// Number of separators of a line outside quotes; a run of blanks is one.
 fn separators(line: &[u8], delimiter: u8) -> usize {
     let (mut count, mut quoted, mut before) = (0, false, 0);
     for &byte in line {

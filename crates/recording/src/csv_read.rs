@@ -26,9 +26,9 @@ pub(crate) struct CsvReader {
     csv: csv::Reader<CsvLines>,
     dialect: Dialect,
     record: csv::StringRecord,
-    /// Whether a column holds text, and whether moments; by its first value.
+    /// Kind of each column, by its first value.
     kinds: Vec<CellKind>,
-    /// What the line below the names says.
+    /// Units of the line below the names.
     units: Vec<String>,
     /// The next row was looked at and has not been handed out.
     pending: bool,
@@ -37,7 +37,7 @@ pub(crate) struct CsvReader {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum CellKind {
-    /// As long as no cell has told.
+    /// No cell has told yet.
     Unknown,
     Number,
     Moment,
@@ -108,7 +108,7 @@ impl CsvReader {
                 names.len()
             ));
         }
-        // As pandas writes its index.
+        // pandas writes its index so.
         if names.len() > 1 && names[0].is_empty() && !names.iter().any(|name| name == "index") {
             "index".clone_into(&mut names[0]);
         }
@@ -131,7 +131,7 @@ impl CsvReader {
         Ok(())
     }
 
-    /// What a row tells of the columns of which nothing was known.
+    /// Learns from a row about the columns of which nothing was known.
     fn learn_kinds(&mut self, row: &csv::StringRecord) {
         for (kind, cell) in self.kinds.iter_mut().zip(row) {
             if *kind == CellKind::Unknown {
@@ -180,7 +180,7 @@ impl CellKind {
 }
 
 impl ChunkSource for CsvReader {
-    /// What has been met so far; complete after the last chunk.
+    /// Metadata so far; complete after the last chunk.
     fn metadata(&self) -> Metadata {
         self.csv.get_ref().metadata().clone()
     }
@@ -197,7 +197,7 @@ impl ChunkSource for CsvReader {
         self.kinds[column] = CellKind::Moment;
     }
 
-    /// Whether each column holds text, as far as the first rows tell.
+    /// Tells whether each column holds text, as far as the first rows tell.
     fn holds_text(&mut self, _head: &TableHead) -> Result<Vec<bool>, RecordingError> {
         Ok(self.kinds.iter().map(|kind| *kind == CellKind::Text).collect())
     }

@@ -1,4 +1,4 @@
-//! What can be wrong with a recording, in one sentence.
+//! Errors of recordings, in one sentence.
 
 use std::error::Error;
 use std::fmt::Display;
@@ -17,7 +17,7 @@ pub struct RecordingError {
 }
 
 impl RecordingError {
-    /// What is wrong with a file.
+    /// Error of a file.
     pub fn new(path: &Path, sentence: impl Into<String>) -> Self {
         Self { sentence: format!("{}: {}", path.display(), one_line(sentence.into())), lacks_room: false }
     }
@@ -37,7 +37,7 @@ impl RecordingError {
         Self { lacks_room, ..Self::io(path, "written", error) }
     }
 
-    /// Whether there is no room on the disk.
+    /// Tells whether there is no room on the disk.
     pub fn lacks_room(&self) -> bool {
         self.lacks_room
     }

@@ -1,5 +1,5 @@
-//! How a head is mounted: from the vector in its own frame to east, north and up, and to the
-//! direction from which the wind blows.
+//! Mounting of a head: from the vector in its own frame to east, north and up, and to the direction
+//! from which the wind blows.
 //!
 //! With u the unit vector that points up, in the head's frame, and x its x axis:
 //!
@@ -41,7 +41,7 @@ pub struct HeadMounting {
 pub struct MountingError {
     /// `heading_deg` or `up`.
     pub key: &'static str,
-    /// What is wrong with its value.
+    /// Sentence: what is wrong with its value.
     pub sentence: String,
 }
 
@@ -53,7 +53,8 @@ impl Default for HeadMounting {
 }
 
 impl HeadMounting {
-    /// Of a compass direction of the x axis, and of what points up (by default the z axis).
+    /// Mounting by a compass direction of the x axis, and of what points up (by default the z
+    /// axis).
     ///
     /// # Errors
     /// If the direction is not within 0 and 360°, or `up` is no direction, or too near to the x

@@ -23,14 +23,14 @@ pub trait MemoryTable: Send + Sync {
     fn names(&self) -> Vec<String>;
     /// Number of rows.
     fn rows(&self) -> usize;
-    /// Whether a column holds text.
+    /// Tells whether a column holds text.
     fn holds_text(&self, column: usize) -> bool;
     /// Some rows of a column.
     ///
     /// # Errors
     /// If it has a type that is neither number nor text.
     fn values(&self, column: usize, rows: Range<usize>) -> Result<ColumnValues, ForeignType>;
-    /// What it says of itself.
+    /// Metadata.
     fn metadata(&self) -> Metadata {
         Metadata::new()
     }
@@ -113,7 +113,7 @@ impl InMemory {
         &self.path
     }
 
-    /// What was put there, if anything was.
+    /// Columns that were put there, if any were.
     pub fn take(self) -> Option<MemoryColumns> {
         match KEPT.write().unwrap_or_else(PoisonError::into_inner).remove(&self.path) {
             Some(Kept::Written(columns)) => Some(Arc::unwrap_or_clone(columns)),
@@ -132,12 +132,12 @@ fn kept(path: &Path) -> Option<Kept> {
     KEPT.read().unwrap_or_else(PoisonError::into_inner).get(path).cloned()
 }
 
-/// Whether there is something in memory under this name.
+/// Tells whether there is something in memory under this name.
 pub fn is_in_memory(path: &Path) -> bool {
     kept(path).is_some()
 }
 
-/// Whether this is the name of a place for a recording.
+/// Tells whether this is the name of a place for a recording.
 pub fn is_place(path: &Path) -> bool {
     matches!(kept(path), Some(Kept::Place | Kept::Written(_)))
 }

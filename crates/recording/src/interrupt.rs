@@ -24,7 +24,7 @@ pub fn flag() -> Option<Arc<AtomicBool>> {
     FLAG.with_borrow(Clone::clone)
 }
 
-/// Whether the work in this thread is to end.
+/// Tells whether the work in this thread is to end.
 pub fn is_interrupted() -> bool {
     FLAG.with_borrow(|flag| flag.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed)))
 }

@@ -104,8 +104,8 @@ impl RowSink for ParquetWriter {
         self.file.bytes_written() as u64 + self.rows as u64 * row
     }
 
-    /// What an instrument adds at the end is short; a column of a group has pages' heads,
-    /// statistics and its line in the table of contents, and in the schema its description.
+    /// The metadata that an instrument adds at the end is short; a column of a group has pages'
+    /// heads, statistics and its line in the table of contents, and in the schema its description.
     fn frame_bytes(&self) -> u64 {
         // Once plain, once for Arrow, in base64.
         2 * length(&self.metadata) + 16_384 + 512 * self.buffers.len() as u64 * (self.groups + 2)

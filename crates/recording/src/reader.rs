@@ -16,7 +16,7 @@ pub struct RecordingReader {
     source: Box<dyn ChunkSource>,
     /// Files that follow, the next one last.
     following: Vec<PathBuf>,
-    /// What the files before have said of themselves.
+    /// Metadata of the files before.
     passed: Metadata,
     /// Columns to be taken for text.
     as_text: Vec<usize>,
@@ -36,8 +36,8 @@ impl RecordingReader {
         Self::open_named(path, &[])
     }
 
-    /// As [`RecordingReader::open`], with these names for the columns in place of the file's own,
-    /// if it has such at all; with none as they are.
+    /// Opens like [`RecordingReader::open`], with these names for the columns in place of the
+    /// file's own, if it has such at all; with none as they are.
     ///
     /// # Errors
     /// As there, or if there are more or fewer columns.
@@ -64,8 +64,8 @@ impl RecordingReader {
         &self.head.names
     }
 
-    /// What the files say of themselves, the later ones in place of the earlier. A CSV file may say
-    /// more below its last row: complete after the last chunk.
+    /// Metadata of the files, the later ones in place of the earlier. A CSV file may say more below
+    /// its last row: complete after the last chunk.
     pub fn metadata(&self) -> Metadata {
         let mut metadata = self.passed.clone();
         overlay(&mut metadata, self.source.metadata());
@@ -77,7 +77,7 @@ impl RecordingReader {
         self.source.rows().filter(|_| self.following.is_empty())
     }
 
-    /// Whether each column holds text: by its type, or by its first row in a CSV file.
+    /// Tells whether each column holds text: by its type, or by its first row in a CSV file.
     pub fn holds_text(&mut self) -> Result<Vec<bool>, RecordingError> {
         self.source.holds_text(&self.head)
     }
@@ -101,8 +101,8 @@ impl RecordingReader {
         self.source.read_as_time(column);
     }
 
-    /// What a line below the names says of each column, as loggers state units there; none without
-    /// such a line.
+    /// Units that a line below the names states for each column, as loggers state units there; none
+    /// without such a line.
     pub fn units(&self) -> &[String] {
         self.source.units()
     }

@@ -13,7 +13,7 @@ use crate::text::{suggest, tidy};
 pub struct Recording {
     /// The file.
     pub path: PathBuf,
-    /// What the file says of itself.
+    /// Metadata of the file.
     pub metadata: Metadata,
     /// The columns, in the file's order.
     pub columns: Vec<RecordingColumn>,
@@ -60,17 +60,17 @@ impl Recording {
         self.columns.first().map_or(0, |column| column.values.len())
     }
 
-    /// Whether there is no row.
+    /// Tells whether there is no row.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Whether there is a column of that name.
+    /// Tells whether there is a column of that name.
     pub fn has(&self, name: &str) -> bool {
         self.columns.iter().any(|column| column.name == name)
     }
 
-    /// What the file says of itself under a key.
+    /// Metadata of the file under a key.
     pub fn metadata(&self, key: &str) -> Option<&str> {
         self.metadata.iter().rev().find(|(known, _)| known == key).map(|(_, value)| value.as_str())
     }
@@ -126,7 +126,7 @@ impl Recording {
         elements
     }
 
-    /// What stands behind a prefix in the names of columns, in their order.
+    /// Parts behind a prefix in the names of columns, in their order.
     pub fn behind<'a>(&'a self, prefix: &'a str) -> impl Iterator<Item = &'a str> {
         self.columns.iter().filter_map(move |column| column.name.strip_prefix(prefix))
     }

@@ -1,4 +1,4 @@
-//! What a recording's rows consist of.
+//! Columns of a recording's rows.
 
 use std::path::Path;
 
@@ -10,22 +10,22 @@ use crate::names::{
 };
 use crate::wind;
 
-/// What a recording's rows consist of.
+/// Columns of a recording's rows.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct RecordingLayout {
     /// Names of the elements, in the order of the rows' slices.
     pub elements: Vec<String>,
-    /// Whether the rows carry the true wind.
+    /// The rows carry the true wind.
     pub true_wind: bool,
-    /// Whether the rows carry the true temperature of the gas.
+    /// The rows carry the true temperature of the gas.
     pub gas: bool,
     /// Names of the elements whose rows carry the equivalent power of an observer.
     pub observed: Vec<String>,
     /// Names of the elements of a head that outputs wind estimates; none if it does not.
     pub estimates: Vec<String>,
-    /// Whether the rows carry a wind by several instruments, in place of such estimates.
+    /// The rows carry a wind by several instruments, in place of such estimates.
     pub combined_wind: bool,
-    /// Whether the wind of the head is followed by that of the earth, [`wind::EARTH`].
+    /// The wind of the head is followed by that of the earth, [`wind::EARTH`].
     pub earth_wind: bool,
     /// Names of the elements without a surface, whose unknown heat ends a row; none if it does not.
     pub cores: Vec<String>,

@@ -4,40 +4,30 @@
 //! A placeholder without a value and a value without a placeholder are both refused, so that text
 //! and numbers stay together.
 
-/// Why a template cannot be filled.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum TemplateError {
-    /// A placeholder has no value.
-    #[error("the page asks for `{{{0}}}`, and there is no value of that name")]
-    Unknown(String),
-    /// A value has no placeholder.
-    #[error("`{0}` has a value, and the page has no such placeholder")]
-    Unused(String),
-    /// A brace that is not closed.
-    #[error("a brace of the page is not closed: {0}")]
-    Open(String),
-}
+use anyhow::{Context, bail};
 
 /// Puts values into the places of their names.
 ///
 /// # Errors
 /// The first name that only the template or only the values have.
-pub fn fill(template: &str, values: &[(&str, &str)]) -> Result<String, TemplateError> {
+pub fn fill(template: &str, values: &[(&str, &str)]) -> anyhow::Result<String> {
     let mut text = String::with_capacity(template.len());
     let mut used = vec![false; values.len()];
     let mut rest = template;
     while let Some((before, after)) = rest.split_once('{') {
         let short = || after.chars().take(20).collect::<String>();
-        let (name, behind) = after.split_once('}').ok_or_else(|| TemplateError::Open(short()))?;
+        let (name, behind) =
+            after.split_once('}').with_context(|| format!("a brace of the page is not closed: {}", short()))?;
         let place = values.iter().position(|(known, _)| *known == name);
-        let place = place.ok_or_else(|| TemplateError::Unknown(name.to_owned()))?;
+        let place =
+            place.with_context(|| format!("the page asks for `{{{name}}}`, and there is no value of that name"))?;
         used[place] = true;
         text += before;
         text += values[place].1;
         rest = behind;
     }
     match values.iter().zip(used).find(|(_, used)| !used) {
-        Some(((name, _), _)) => Err(TemplateError::Unused((*name).to_owned())),
+        Some(((name, _), _)) => bail!("`{name}` has a value, and the page has no such placeholder"),
         None => Ok(text + rest),
     }
 }

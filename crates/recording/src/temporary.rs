@@ -83,7 +83,7 @@ impl Temporary {
     }
 }
 
-/// How the names of a file's temporary ones begin.
+/// Beginning of the names of a file's temporary ones.
 fn prefix(name: &OsStr) -> String {
     format!(".{}.tmp-", name.to_string_lossy())
 }

@@ -46,7 +46,7 @@ pub fn tidy(number: f64) -> f64 {
     format!("{number:.5e}").parse().unwrap_or(number)
 }
 
-/// How many things there are: `1 record`, `2 records`.
+/// Number with the name of what is counted: `1 record`, `2 records`.
 pub fn count(number: usize, thing: &str) -> String {
     format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }

@@ -33,7 +33,7 @@ pub(crate) struct ThinnedRows {
 struct ThinnedColumn {
     name: String,
     values: ColumnValues,
-    /// Whether a block has the mean; flags and text have their first.
+    /// A block has the mean; flags and text have their first.
     has_mean: bool,
     sum: f64,
     count: f64,
@@ -106,7 +106,7 @@ impl ThinnedRows {
         self.waiting += 1;
         if self.waiting == self.block {
             if self.kept == self.most {
-                // What waits is half a block then.
+                // The waiting rows are half a block then.
                 self.columns.iter_mut().for_each(ThinnedColumn::halve);
                 self.kept /= 2;
                 self.block *= 2;
@@ -137,7 +137,7 @@ impl ThinnedRows {
 pub struct ThinnedRecording {
     /// Its rows within the range, or means of them.
     pub recording: Recording,
-    /// How many rows of the file are in the range.
+    /// Number of rows of the file in the range.
     pub rows: u64,
     /// Times of the file's first and last row, s.
     pub span_s: (f64, f64),
@@ -258,7 +258,7 @@ mod tests {
         let thin = read(ALL, 100);
         assert_eq!(thin.rows, 1000);
         let values = thin.recording.numbers("ramp").unwrap();
-        // Of 16 each; what would make no whole block is not there.
+        // Blocks have 16 each; what would make no whole block is not there.
         assert_eq!(values.len(), 62);
         for (n, value) in values.iter().enumerate() {
             assert_eq!(*value, 16.0 * n as f64 + 7.5);

@@ -23,7 +23,7 @@ pub struct FileError {
     pub path: PathBuf,
     /// Counted from 1; absent when the whole file is meant.
     pub line: Option<usize>,
-    /// What is wrong, and what would be right.
+    /// Sentence: what is wrong, and what would be right.
     pub sentence: String,
 }
 

@@ -30,7 +30,7 @@ pub fn from_rfc3339(text: &str) -> Option<f64> {
     from_text(text).filter(|(_, states_zone)| *states_zone).map(|(seconds, _)| seconds)
 }
 
-/// Whether a text is a day as `2026-03-01`.
+/// Tells whether a text is a day as `2026-03-01`.
 pub fn is_day(text: &str) -> bool {
     text.len() == "2026-03-01".len() && text.get(4..5) == Some("-") && from_text(text).is_some()
 }

@@ -21,7 +21,7 @@ fn two_standard_errors_hold_the_gain_in_every_room() {
     let report = DriftReport { kinds };
     println!("{}", report.page("today", 0));
     for of in &report.kinds {
-        // Of fifty, 95 % are 47.5 ± 1.5: three of these errors below.
+        // 95 % of fifty are 47.5 ± 1.5: three of these errors below.
         assert!(of.within_2_se_percent >= 86.0, "{of:?}");
         if let Some(known) = of.median_known_error_k_per_w {
             assert!(of.median_error_k_per_w <= 1.5 * known, "{of:?}");
@@ -70,7 +70,7 @@ fn two_standard_errors_hold_the_gain_of_a_record_with_a_gap() {
         assert!(se < 4.0, "{seed}: {se}");
         within += u32::from(error.abs() <= 2.0 * se);
     }
-    // Of twelve, 95 % are 11.4 ± 0.8.
+    // 95 % of twelve are 11.4 ± 0.8.
     assert!(within >= 9, "{within} of 12");
 }
 
@@ -124,7 +124,7 @@ fn two_standard_errors_hold_the_gain_of_every_condition() {
             all += 1;
         }
     }
-    // Of twenty, 95 % are 19 ± 1.
+    // 95 % of twenty are 19 ± 1.
     assert!(within >= 16, "{within} of {all}");
 }
 
@@ -150,10 +150,10 @@ fn the_drift_that_is_seen_row_by_row_follows_the_room_as_well_as_it_says() {
         }
         let (in_se, share) = ((sums[0] / 4.0).sqrt(), (sums[1] / sums[2]).sqrt());
         println!("{room:?}: off by {in_se} standard errors, by {share} of what moves in two minutes");
-        // What slow resistances take of the drift is one error a record that lasts: the root mean
-        // square of four is 1 ± 0.35. Three of these errors above.
+        // The part of the drift that slow resistances take is one error a record that lasts: the
+        // root mean square of four is 1 ± 0.35. Three of these errors above.
         assert!(in_se < 2.05, "{room:?}: {in_se} standard errors");
-        // Of what comes and goes within minutes they take little: three quarters of its variance
+        // They take little of what comes and goes within minutes: three quarters of its variance
         // are seen.
         assert!(share < 0.5, "{room:?}: {share}");
     }

@@ -21,21 +21,21 @@ use crate::sensor::{
 pub struct Experiment {
     /// The file, which errors name.
     pub source: TomlSource,
-    /// What it is called.
+    /// Title.
     pub title: String,
     /// Its head, with the currents of the experiment.
     pub head: Head,
-    /// What simulates the head; without it, only a real sensor can be run.
+    /// Construction that simulates the head; without it, only a real sensor can be run.
     pub construction: Option<Construction>,
-    /// How its elements heat themselves under these conditions.
+    /// Models of its elements' self-heating under these conditions.
     pub models: Option<Models>,
-    /// Whether the models are held on the measured temperatures while it runs, and what the
-    /// structures take is recorded.
+    /// The models are held on the measured temperatures while it runs, and what the structures take
+    /// is recorded.
     pub observe: bool,
-    /// How long a board heats without a host, s, if it is not [`dr_core::HOST_TIMEOUT_S`]; 0 for
-    /// ever.
+    /// Time for which a board heats without a host, s, if it is not [`dr_core::HOST_TIMEOUT_S`]; 0
+    /// for ever.
     pub host_timeout_s: Option<f32>,
-    /// How the head outputs the wind; none without a calibration.
+    /// Output of the wind; none without a calibration.
     pub wind_output: Option<WindOutput>,
     /// Sample period, s.
     pub sample_period_s: f64,
@@ -49,11 +49,11 @@ pub struct Experiment {
     pub pressure_pa: f64,
     /// The mean, where it swings.
     pub gas_temperature_c: f64,
-    /// How the gas temperature oscillates, if it does.
+    /// Oscillation of the gas temperature, if there is one.
     pub gas_swing: Option<TemperatureSwing>,
     /// Temperature of what holds the head, °C.
     pub support_temperature_c: f64,
-    /// How the support's temperature oscillates, if it does.
+    /// Oscillation of the support's temperature, if there is one.
     pub support_swing: Option<TemperatureSwing>,
     /// Errors and noise of the simulated front end.
     pub imperfections: Imperfections,
@@ -61,7 +61,7 @@ pub struct Experiment {
     pub currents: Vec<usize>,
     /// One an element of the head, in its order.
     pub drives: Vec<Drive>,
-    /// What elements do from a later tick on, ascending.
+    /// Changes of drives from a later tick on, ascending.
     pub changes: Vec<DriveChange>,
     /// In order of their start, the first at 0; none around a real sensor.
     pub wind: Vec<WindEntry>,
@@ -222,8 +222,8 @@ impl Experiment {
 }
 
 impl Experiment {
-    /// What matters of it, a sentence each; nothing for a head without a calibration. Set-points
-    /// are those with which the surfaces begin.
+    /// Differences that matter, a sentence each; nothing for a head without a calibration.
+    /// Set-points are those with which the surfaces begin.
     pub fn differences(&self) -> Vec<String> {
         let Some(calibration) = &self.head.calibration else { return Vec::new() };
         let support_swing_k = self.support_swing.map_or(0.0, |swing| swing.amplitude_k);

@@ -1,4 +1,4 @@
-//! What the elements of an experiment do, at first and later.
+//! Drives of the elements of an experiment, at first and later.
 
 use std::collections::BTreeMap;
 
@@ -20,7 +20,7 @@ pub(super) struct GasRange {
 }
 
 impl GasRange {
-    /// As a sentence has it, without unit.
+    /// Words of a sentence, without unit.
     fn words(self) -> String {
         if self.coldest_c == self.hottest_c {
             return self.coldest_c.to_string();
@@ -29,7 +29,7 @@ impl GasRange {
     }
 }
 
-/// Which limit of a head ends the set-points.
+/// Limit of a head that ends the set-points.
 fn beyond_limit(hottest_c: f32, limit: Parameter) -> String {
     match limit {
         Parameter::TemperatureMaxC => format!("the head's limit is {hottest_c} °C"),
@@ -40,7 +40,7 @@ fn beyond_limit(hottest_c: f32, limit: Parameter) -> String {
     }
 }
 
-/// What elements do from a tick on.
+/// Drives of elements from a tick on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DriveChange {
     /// The first sample period of the new drives.

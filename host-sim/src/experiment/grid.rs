@@ -51,7 +51,7 @@ impl<'a> TickGrid<'a> {
     /// # Errors
     /// If it is neither the start nor a whole number of ticks later, or the experiment is over.
     pub fn check_start(&self, key: &str, start_s: f64) -> Result<(), FileError> {
-        // Whether it may be negative or not a number is for those to say who use it.
+        // Its users refuse what is negative or not a number.
         if start_s > 0.0 {
             self.whole_ticks(key, start_s)?;
         }

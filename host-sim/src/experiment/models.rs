@@ -1,5 +1,5 @@
-//! How the elements heat themselves under an experiment's conditions: what its set-points are
-//! judged by.
+//! Self-heating of the elements under an experiment's conditions: what its set-points are judged
+//! by.
 //!
 //! A model belongs to gas, pressure and whatever else surrounds an element, and so to an experiment
 //! rather than to a head. The file:
@@ -24,7 +24,7 @@ use anemometry::head::Head;
 use recording::text::suggest;
 use recording::toml_file::{FileError, TomlSource};
 
-/// Which period does not matter for what is checked here.
+/// The period does not matter for what is checked here.
 const ANY_PERIOD_S: f32 = 0.01;
 
 /// Checked models.
@@ -53,7 +53,7 @@ impl Models {
     /// File, line and what is wrong.
     pub fn from_source(source: TomlSource, head: &Head) -> Result<Self, FileError> {
         let table: ModelsTable = source.parse()?;
-        // What is made from a model names elements as its columns do.
+        // A drive that is made from a model names elements as its columns do.
         let is_of = |name: &str, element: &str| recording::in_columns(name) == recording::in_columns(element);
         let refuse = |what: &str, unknown: &str, known: Vec<&str>| {
             let sentence = format!("is no {what} of head `{}`; {}", head.name, suggest(unknown, known));

@@ -1,4 +1,4 @@
-//! What of an experiment a model can predict: its elements and drives in its winds.
+//! Part of an experiment that a model can predict: its elements and drives in its winds.
 
 use diffusive::model::pair_class::element;
 use diffusive::model::{ALL, Model};

@@ -130,7 +130,7 @@ pub(super) fn entries(grid: &TickGrid, table: &SweepTable, seed: u64) -> Result<
                 break z;
             }
         };
-        // What comes from +x goes to 180°.
+        // A wind from +x goes to 180°.
         let angle_deg = match table.facing_deg {
             Some(facing_deg) => 180.0 + table.facing_azimuth_deg + facing_deg * (2.0 * share() - 1.0),
             None => 360.0 * share(),

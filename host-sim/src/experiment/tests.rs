@@ -375,7 +375,7 @@ fn a_swing_of_the_gas_is_read_and_checked() {
     let found = swing("amplitude_k = 5.0, period_s = 600.0").unwrap();
     assert_eq!(found.gas_swing, Some(TemperatureSwing { amplitude_k: 5.0, period_s: 600.0, start_s: 0.0 }));
     assert_eq!(found.sensor_config().unwrap().gas_swing, found.gas_swing);
-    // What it swings about is what models and recordings are told.
+    // It swings about the value that models and recordings state.
     assert_eq!((found.gas_temperature_c, found.conditions()), (-53.15, with("", "").unwrap().conditions()));
     assert_eq!(swing("amplitude_k = 5.0, period_s = 600.0, start_s = 2.5").unwrap().gas_swing.unwrap().start_s, 2.5);
     for (keys, expected) in [

@@ -39,7 +39,7 @@ struct Run {
 }
 
 impl Run {
-    /// As an entry that begins at a tick.
+    /// Entry that begins at a tick.
     fn entry(&self, grid: &TickGrid, table: &TunnelTable, tick: u32, forward: bool) -> WindEntry {
         let (way, azimuth_deg, elevation_deg) = match forward {
             true => ("forward", table.azimuth_deg, table.elevation_deg),
@@ -138,7 +138,7 @@ pub(super) fn held_entries(grid: &TickGrid, tables: &[WindTable]) -> Result<Vec<
         // Starts, angles and what blows on top are the simulated wind's to judge.
         source.within(&format!("{key}.speed_m_s"), table.speed_m_s, 0.0..=HIGHEST_SPEED_M_S, "m/s")?;
         grid.check_start(&format!("{key}.start_s"), table.start_s)?;
-        // What nobody would feel is a mistake.
+        // A wind that nobody would feel is a mistake.
         let lasts_s = end_s - table.start_s;
         let gust = table.gust.map(|gust| ("gust.start_s", gust.start_s));
         let devil = table.dust_devil.map(|devil| ("dust_devil.time_s", devil.time_s));

@@ -11,7 +11,7 @@ use crate::sensor::{BodySurvey, Construction};
 /// Gas, overheat, sample period and noise.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct HeadConditions {
-    /// Which gas.
+    /// Gas.
     pub species: Species,
     /// Its pressure, Pa.
     pub pressure_pa: f64,
@@ -21,14 +21,14 @@ pub struct HeadConditions {
     pub overheat_k: f64,
     /// A bit an element, s.
     pub sample_period_s: f64,
-    /// Of a reading, V rms.
+    /// Noise of a reading, V rms.
     pub noise_v_rms: f64,
 }
 
-/// What a command is given of these.
+/// Conditions that a command is given.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct GivenConditions {
-    /// Which gas.
+    /// Gas.
     pub species: Option<Species>,
     /// Its pressure, Pa.
     pub pressure_pa: Option<f64>,
@@ -37,8 +37,8 @@ pub struct GivenConditions {
 }
 
 impl HeadConditions {
-    /// What is not given is that of the head's file, or air of 20 °C and one atmosphere; noise is a
-    /// code of the converter.
+    /// A condition that is not given is that of the head's file, or air of 20 °C and one
+    /// atmosphere; noise is a code of the converter.
     pub fn of(head: &Head, gas: Option<anemometry::head::body::table::BodyGas>, given: GivenConditions) -> Self {
         Self {
             species: given.species.or(gas.map(|gas| gas.species)).unwrap_or(Species::Air),
@@ -69,7 +69,7 @@ impl HeadConditions {
             .map_err(|error| refuse(error.to_string()))
     }
 
-    /// What elements are held at, °C.
+    /// Set-point of elements, °C.
     pub fn set_point_c(&self) -> f64 {
         self.temperature_c + self.overheat_k
     }
@@ -80,7 +80,7 @@ impl HeadConditions {
 pub struct ElementCheck {
     /// Its name.
     pub name: String,
-    /// Whether it is held at the set-point; else it only senses.
+    /// It is held at the set-point; else it only senses.
     pub held: bool,
     /// Rise by a watt of its own in quiescent gas, K/W.
     pub own_gain_k_per_w: f64,
@@ -104,9 +104,9 @@ impl ElementCheck {
 /// Elements and their powers in quiescent gas.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AtRest {
-    /// Which of them are held at the set-point.
+    /// Elements that are held at the set-point.
     pub held: Vec<bool>,
-    /// What their set-point needs, W; of the others what their low level gives.
+    /// Power of their set-point, W; of the others that of their low level.
     pub power_w: Vec<f64>,
     /// The one given up last, as its high level cannot hold it, and what it would have needed, W.
     pub given_up: Option<(usize, f64)>,

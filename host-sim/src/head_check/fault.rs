@@ -1,4 +1,4 @@
-//! What keeps an element from being operated at an overheat, and which overheats it bears.
+//! Faults that keep an element from being operated at an overheat, and which overheats it bears.
 
 use anemometry::head::{Head, HeadElement};
 use dr_core::sensor::Level;
@@ -10,7 +10,7 @@ use crate::sensor::BodySurvey;
 /// Ends of the decades of overheats among which possible ones are sought, K.
 const DECADES_K: [f64; 4] = [1.0, 10.0, 100.0, 1000.0];
 
-/// What is wrong with one element.
+/// Fault of one element.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ElementFault {
     /// The gas alone, in °C, makes it so many Ω, too few for its limits.
@@ -48,21 +48,21 @@ pub enum ElementFault {
 pub struct OverheatError {
     /// Name of the element.
     pub element: String,
-    /// What is wrong with it.
+    /// Fault.
     pub fault: ElementFault,
     /// The overheats that are possible, K: ranges from the least to the greatest.
     pub possible_k: Vec<[f64; 2]>,
 }
 
 impl ElementFault {
-    /// Whether an element trips in the gas as it is.
+    /// Tells whether an element trips in the gas as it is.
     pub fn shorted(element: &HeadElement, gas_c: f64) -> Option<Self> {
         let resistance_ohm = f64::from(element.config.channel.platinum().resistance_ohm(gas_c as f32));
         let least_ohm = element.config.limits.resistance_min_ohm;
         (resistance_ohm < f64::from(least_ohm)).then_some(Self::Shorted(resistance_ohm, gas_c, least_ohm))
     }
 
-    /// Whether the low level alone keeps an element above its set-point.
+    /// Tells whether the low level alone keeps an element above its set-point.
     pub fn warm(element: &HeadElement, needed_w: f64, set_point_c: f64) -> Option<Self> {
         let low_w = element.power_w(set_point_c, Level::Low);
         (needed_w < low_w).then_some(Self::Warm(needed_w, low_w))
@@ -94,7 +94,7 @@ fn fault(survey: &mut BodySurvey, elements: &[HeadElement], set_point_c: f64) ->
 }
 
 impl OverheatError {
-    /// What keeps a head from being operated in quiescent gas.
+    /// Fault that keeps a head from being operated in quiescent gas.
     pub fn of(survey: &mut BodySurvey, head: &Head, conditions: &HeadConditions) -> Option<Self> {
         let (elements, gas_c) = (&head.elements, conditions.temperature_c);
         let shorted = elements.iter().enumerate().find_map(|(i, of)| Some((i, ElementFault::shorted(of, gas_c)?)));

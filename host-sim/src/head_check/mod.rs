@@ -1,4 +1,4 @@
-//! Whether a head can do what it is meant for, from its file alone: `anemo head check`.
+//! Check of a head's purpose, from its file alone: `anemo head check`.
 //!
 //! | file | what |
 //! |---|---|

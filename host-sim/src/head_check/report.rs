@@ -39,7 +39,7 @@ pub struct HeadCheckReport {
     pub elements: Vec<ElementCheck>,
     /// Needs by wind, and range.
     pub range: WindRange,
-    /// What would go wrong.
+    /// Warnings.
     pub warnings: Vec<String>,
     /// Why the head cannot be operated at all: warnings name it, too.
     #[serde(skip)]

@@ -171,7 +171,7 @@ fn an_overheat_that_cannot_be_is_answered_with_those_that_can() {
         let report = checked_at(overheat_k, &[change]);
         assert_eq!(report.fault.map(|fault| fault.to_string()).as_deref(), Some(expected));
     }
-    // What the second sentence names.
+    // Element of the second sentence.
     assert_eq!((checked_at(0.65, &[]).fault, checked_at(50.0, &[]).fault), (None, None));
 }
 

@@ -1,4 +1,4 @@
-//! What would go wrong with a head at its set-point: a sentence each.
+//! Warnings about a head at its set-point: a sentence each.
 
 use anemometry::head::{Head, HeadElement};
 

@@ -29,7 +29,7 @@ const LEAST_M_S: f64 = 1e-3;
 const MOST_M_S: f64 = 100.0;
 const SPEEDS: usize = 101;
 
-/// What a wind of one speed needs, over all directions.
+/// Powers that a wind of one speed needs, over all directions.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct WindNeeds {
     /// m/s
@@ -38,7 +38,7 @@ pub struct WindNeeds {
     pub power_w: Vec<[f64; 2]>,
     /// Mean over directions of the sum of all held elements, W.
     pub sum_w: f64,
-    /// What noise leaves of the speed in a second, m/s.
+    /// Resolution of the speed in a second, m/s.
     pub resolution_m_s: f64,
     /// Beyond what is known of the head's convection.
     pub extrapolated: bool,
@@ -47,7 +47,7 @@ pub struct WindNeeds {
 /// All of it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct WindRange {
-    /// Which elements are held at the set-point.
+    /// Elements that are held at the set-point.
     pub held: Vec<bool>,
     /// In quiescent gas, W.
     pub at_rest_w: Vec<f64>,

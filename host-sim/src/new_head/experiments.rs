@@ -32,11 +32,11 @@ pub struct NewExperiments {
     pub files: Vec<(String, String)>,
     /// Names of the elements that are identified.
     pub identified: Vec<String>,
-    /// Whether there are others that might be driven, and only sense at this overheat.
+    /// There are others that might be driven, and only sense at this overheat.
     pub is_part: bool,
     /// Why the head cannot be calibrated so.
     pub uncalibrated: Option<String>,
-    /// What becomes of winds that are too strong.
+    /// Fate of winds that are too strong.
     pub too_strong: Option<String>,
     /// Quiescent gas before the first wind, s.
     pub still_s: f64,
@@ -68,7 +68,7 @@ fn gentle_currents(element: &HeadElement, of: &ElementCheck, overheat_k: f64) ->
     })
 }
 
-/// Which winds a head can tell, by what its surfaces belong to.
+/// Winds that a head can tell, by what its surfaces belong to.
 fn plane(head: &Head) -> String {
     let Ok((_, drawn)) = drawn(head, &DrawnOptions::default(), LossLaw::Spline) else { return LEVEL.to_owned() };
     match drawn.form {

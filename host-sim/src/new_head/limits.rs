@@ -50,7 +50,7 @@ pub fn uncalibrated(head: &Head, report: &HeadCheckReport) -> Option<String> {
     Some(format!("no `anemo calibrate` follows: it takes all surfaces, and `{name}` cannot be held at {overheat_k} K"))
 }
 
-/// What becomes of winds up to a speed that the head cannot follow.
+/// Fate of winds up to a speed that the head cannot follow.
 pub fn too_strong(head: &Head, report: &HeadCheckReport, most_m_s: f64) -> Option<String> {
     let (greatest_m_s, element) = (report.range.greatest_m_s?, report.range.limited_by?);
     (greatest_m_s < most_m_s).then(|| {
@@ -76,7 +76,7 @@ pub enum NewHeadError {
     Unwritten {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         error: std::io::Error,
     },
 }

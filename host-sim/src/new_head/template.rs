@@ -7,7 +7,7 @@ use recording::text::short;
 /// Sectors up to which the usual currents are not too much for each.
 const USUAL_MOST: f64 = 8.0;
 
-/// What is heated in the stream.
+/// Kind of body that is heated in the stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NewHeadKind {
     /// One hot film needle.

@@ -31,7 +31,7 @@ pub struct Surface {
     pub area_m2: f64,
     /// Its area over that of its shape: it loses that much more than the law has it.
     pub factor: f64,
-    /// What hangs on it: nodes whose heat counts as the surface's own, beside its node.
+    /// Nodes that hang on it: those whose heat counts as the surface's own, beside its node.
     pub carries: Vec<usize>,
     /// The element that heats it, by its number.
     pub element: Option<usize>,
@@ -46,7 +46,7 @@ pub struct GasGap {
     pub area_over_width_m: f64,
 }
 
-/// What a network is joined to: everything that makes a body of it.
+/// Parts that a network is joined to: everything that makes a body of it.
 #[derive(Clone, Debug, Default)]
 pub struct BodyParts {
     /// Node of every element.
@@ -65,13 +65,13 @@ pub struct BodyParts {
 pub struct Flows {
     /// Electrical heat of every element.
     pub power_w: Vec<f64>,
-    /// Of every surface, from the sun and what else is put onto it.
+    /// Heat of every surface, from the sun and what else is put onto it.
     pub absorbed_w: Vec<f64>,
-    /// Of every surface, to the gas.
+    /// Heat of every surface, to the gas.
     pub convection_w: Vec<f64>,
-    /// Of every surface, to the surroundings.
+    /// Heat of every surface, to the surroundings.
     pub radiation_w: Vec<f64>,
-    /// Of every surface, to the inside and to other surfaces.
+    /// Heat of every surface, to the inside and to other surfaces.
     pub conduction_w: Vec<f64>,
     /// From stem or boom to the support.
     pub support_w: f64,
@@ -91,14 +91,14 @@ struct Balance {
 pub struct ThermalBody {
     network: ThermalNetwork,
     parts: BodyParts,
-    /// As the convection has it: the temperature of the links may be a little ahead.
+    /// Gas as the convection has it: the temperature of the links may be a little ahead.
     gas: IdealGas,
     wind_m_s: [f64; 3],
     gas_links: Vec<BoundaryId>,
     radiators: Vec<RadiatorId>,
     /// Bound of the fastest rate without convection, 1/s.
     own_rate_per_s: f64,
-    /// What convection may add to it, 1/s.
+    /// Rate that convection may add, 1/s.
     convection_rate_per_s: f64,
     flows: Flows,
     /// Between the wind and what spheres meet.
@@ -108,7 +108,7 @@ pub struct ThermalBody {
     cooled_stem: Option<CooledStem>,
     /// Temperature of what surfaces radiate to, K.
     sky_k: f64,
-    /// Of every node, beside the elements' heat.
+    /// Heat of every node, beside the elements' heat.
     absorbed_w: Vec<f64>,
     // Work space, kept so that a tick allocates nothing.
     node_power_w: Vec<f64>,
@@ -230,7 +230,7 @@ impl ThermalBody {
         }
     }
 
-    /// Whether convection in this wind is an extrapolation.
+    /// Tells whether convection in this wind is an extrapolation.
     pub fn extrapolated(&self, wind_m_s: [f64; 3]) -> bool {
         let mut laws = self.parts.convection.iter();
         laws.any(|(law, surfaces)| law.extrapolated(wind_m_s, &self.surface_k[surfaces.clone()]))
@@ -319,7 +319,7 @@ impl ThermalBody {
                 self.node_power_w[node] = self.absorbed_w[node] + power_w(i, self.element_temperature_c(i));
             }
             needed_w = self.network.hold(&self.node_power_w, held_k);
-            // What depends on temperatures follows them.
+            // A conductance that depends on temperatures follows them.
             if self.follows_temperature() {
                 self.fill_gaps();
                 self.set_wind(self.wind_m_s);
@@ -362,7 +362,8 @@ impl ThermalBody {
         }
     }
 
-    /// Whether a conductance depends on temperatures, so that a steady state takes some rounds.
+    /// Tells whether a conductance depends on temperatures, so that a steady state takes some
+    /// rounds.
     fn follows_temperature(&self) -> bool {
         self.local_wind.buoyancy.is_some()
             || !self.parts.gaps.is_empty()
@@ -379,7 +380,7 @@ impl ThermalBody {
         self.network.capacity_j_k(self.parts.elements[element])
     }
 
-    /// How many elements there are.
+    /// Number of elements.
     #[cfg(test)]
     pub fn elements(&self) -> usize {
         self.parts.elements.len()

@@ -48,11 +48,11 @@ pub struct SensorConfig {
     pub pressure_pa: f64,
     /// The mean, of a gas that swings.
     pub gas_temperature_c: f64,
-    /// How its temperature oscillates, if it does.
+    /// Oscillation of its temperature, if there is one.
     pub gas_swing: Option<TemperatureSwing>,
     /// Temperature of the support, °C; the mean, if it swings.
     pub support_temperature_c: f64,
-    /// How it oscillates, if it does.
+    /// Oscillation, if there is one.
     pub support_swing: Option<TemperatureSwing>,
     /// One for each of the construction's [`elements`](Construction::elements), in their order.
     pub elements: Vec<NominalElement>,
@@ -73,7 +73,7 @@ pub struct SensorConfig {
 pub struct TimedFault {
     /// Number of the element, from 0.
     pub element: usize,
-    /// What happens to it.
+    /// Fault.
     pub fault: ResistorFault,
     /// When, s.
     pub start_s: f64,
@@ -110,7 +110,7 @@ impl Default for SensorConfig {
 /// Shortest period in sample periods: a sine that is held in fewer steps would be another swing.
 const LEAST_SAMPLE_PERIODS: f64 = 20.0;
 
-/// How the temperature of a gas or a support swings.
+/// Swing of the temperature of a gas or a support.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TemperatureSwing {
@@ -136,7 +136,7 @@ impl TemperatureSwing {
         require(start_s.is_finite() && start_s >= 0.0, &key("start_s"), start_s, "zero or more")
     }
 
-    /// How far it is from its mean, K.
+    /// Distance from its mean, K.
     pub fn offset_k(&self, time_s: f64) -> f64 {
         let since_s = (time_s - self.start_s).max(0.0);
         self.amplitude_k * libm::sin(TAU * (since_s / self.period_s).fract())

@@ -34,7 +34,7 @@ pub struct Construction {
 }
 
 impl Construction {
-    /// What a head file may call its `sensor`.
+    /// Names that a head file may give its `sensor`.
     pub const NAMES: [&str; 3] = ["sphere-a", "sphere-b", "rems"];
 
     /// A sensor of the project.
@@ -74,7 +74,7 @@ impl Construction {
         &self.elements
     }
 
-    /// What it is made of.
+    /// Bodies that it is made of.
     pub fn bodies(&self) -> &[Body] {
         &self.bodies
     }
@@ -168,7 +168,7 @@ pub fn construction_of(head: &Head) -> Result<Option<Construction>, FileError> {
     Ok(Some(construction))
 }
 
-/// What is wrong with the normal of an element, if it is not that of the sensor's.
+/// Fault of the normal of an element, if it is not that of the sensor's.
 fn other_normal(sensor: &str, part: &BodyElement, normal: [f64; 3]) -> Option<String> {
     match part.normal {
         Some(axis) if normal.iter().zip(axis).all(|(a, b)| (a - b).abs() < 1e-6) => None,

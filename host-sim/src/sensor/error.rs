@@ -8,9 +8,9 @@ pub enum SensorError {
     /// A number of an experiment is none that can be simulated.
     #[error("`{key}` {sentence}")]
     Number {
-        /// Of the number, in the experiment.
+        /// Key of the number, in the experiment.
         key: String,
-        /// What is wrong with it, and what would be right.
+        /// Sentence: what is wrong with it, and what would be right.
         sentence: String,
     },
     /// The elements are not those of a sensor.

@@ -46,11 +46,11 @@ pub const LOWEST_CODE: i32 = -0x80_0000;
 pub struct Imperfections {
     /// Noise of the converter's input, V rms.
     pub noise_v_rms: f64,
-    /// Of R0, %.
+    /// Error of R0, %.
     pub resistance_error_percent: f64,
-    /// Of its temperature coefficient, %.
+    /// Error of its temperature coefficient, %.
     pub coefficient_error_percent: f64,
-    /// Of either current, %.
+    /// Error of either current, %.
     pub current_error_percent: f64,
     /// By element, of the true ratio of its high to its low current, ppm of the nominal ratio.
     pub current_ratio_error_ppm: BTreeMap<String, f64>,
@@ -60,7 +60,7 @@ pub struct Imperfections {
 /// current may differ.
 const RATIO_ERROR_MOST_PPM: f64 = 20_000.0;
 
-/// How a resistor breaks.
+/// Fault of a resistor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ResistorFault {
@@ -88,7 +88,7 @@ pub struct SimulatedFrontEnd {
     code_per_volt: f64,
     noise_v_rms: f64,
     noise: ChaCha8Rng,
-    /// Of the last sample.
+    /// Noise of the last sample.
     noise_v: Vec<f64>,
 }
 
@@ -156,8 +156,8 @@ impl SimulatedFrontEnd {
         }
     }
 
-    /// What the converters would have made of a voltage that amounts to `code`, at the last sample,
-    /// with that sample's noise: neither has an offset, nor is its scale in error.
+    /// Codes that the converters would have made of a voltage that amounts to `code`, at the last
+    /// sample, with that sample's noise: neither has an offset, nor is its scale in error.
     pub fn codes_without_elements(&self, code: i32) -> Vec<i32> {
         let code = f64::from(code);
         self.noise_v.iter().map(|noise_v| code_of(code + noise_v * self.code_per_volt)).collect()

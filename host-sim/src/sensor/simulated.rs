@@ -174,7 +174,7 @@ impl Sensor {
         self.gas_at_c(self.tick.saturating_sub(1))
     }
 
-    /// Whether the gas's temperature swings.
+    /// Tells whether the gas's temperature swings.
     pub fn gas_swings(&self) -> bool {
         self.gas_swing.is_some()
     }
@@ -242,9 +242,9 @@ fn checked_faults(faults: &[TimedFault], elements: usize) -> Result<Vec<TimedFau
 pub struct SensorTruth {
     /// Since the start, s.
     pub time_s: f64,
-    /// Of every element, °C.
+    /// Temperature of every element, °C.
     pub element_temperature_c: Vec<f64>,
-    /// Of every surface, in the order of
+    /// Temperature of every surface, in the order of
     /// [`Sensor::surface_names`](super::Sensor::surface_names).
     pub surface_temperature_c: Vec<f64>,
     /// Mean heat flows.

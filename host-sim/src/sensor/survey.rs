@@ -1,5 +1,5 @@
-//! What a head's body needs and how fast it is, without letting time pass: powers that hold
-//! set-points in a steady wind, gains, time constants.
+//! Needs and speed of a head's body, without letting time pass: powers that hold set-points in a
+//! steady wind, gains, time constants.
 
 use dr_core::sensor::Level;
 
@@ -22,7 +22,7 @@ pub struct BodySurvey {
 /// A steady state with some elements held at set-points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OperatingPoint {
-    /// Of every element, W: what the set-point needs, or that of the low level.
+    /// Power of every element, W: what the set-point needs, or that of the low level.
     pub power_w: Vec<f64>,
     /// The wind is beyond what is known of the head's convection.
     pub extrapolated: bool,

@@ -68,7 +68,7 @@ fn winds_that_were_left_out_are_estimated_within_degrees() {
     let steady = tunnel(120, [1.0; DICE], 1e-3);
     let calibration = calibrate(&drawn(), &steady).unwrap();
     println!("{calibration}");
-    // As the simulation is made: a laminar layer, the shade in reverse and the side of the boom.
+    // Same as the simulation: a laminar layer, the shade in reverse and the side of the boom.
     assert!((calibration.exponent - 0.5).abs() < 0.02, "{}", calibration.exponent);
     assert!((calibration.seen_at(0.0) - 0.3).abs() < 0.05, "{}", calibration.seen_at(0.0));
     let across = calibration.seen_at(std::f64::consts::FRAC_PI_2);

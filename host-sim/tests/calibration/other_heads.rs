@@ -30,7 +30,7 @@ struct Bench<'a> {
     drawn: DrawnSurfaces,
     gas: IdealGas,
     losses: Box<Losses<'a>>,
-    /// Of every conductance.
+    /// Noise of every conductance.
     noise: f64,
 }
 

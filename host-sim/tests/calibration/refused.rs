@@ -1,4 +1,4 @@
-//! What is refused, by name; and that what is refused would have made a bad calibration, where its
+//! Refusals, by name; and that what is refused would have made a bad calibration, where its
 //! neighbour that is taken makes a good one.
 
 use crate::tunnel::{Tunnel, directions, speeds};

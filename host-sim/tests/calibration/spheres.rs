@@ -125,7 +125,7 @@ impl Scores {
         self.turns.extend((0..3).map(|k| left.scaled_axis()[k] / found.rotation_error_rad[k]));
     }
 
-    /// Of each: name, rms, and share of less than this.
+    /// Summary of each: name, rms, and share of less than this.
     fn summary(&self, bound: f64) -> [(&'static str, f64, f64); 3] {
         [("gains", &self.gains), ("G0", &self.stills), ("turns", &self.turns)].map(|(name, errors)| {
             let within = errors.iter().filter(|e| e.abs() < bound).count() as f64 / errors.len() as f64;
@@ -201,7 +201,7 @@ fn quiescent_gas_settles_the_zero_wind_conductances() {
         }
     }
     assert!(without.surfaces[0].quiescent_error_w_k > 10.0 * with.surfaces[0].quiescent_error_w_k);
-    // What rests on conductivity and area alone is not shown as a fit.
+    // A value that rests on conductivity and area alone is not shown as a fit.
     assert!(without.to_string().contains(" taken 0.") && !with.to_string().contains("taken"), "{without}");
 }
 

@@ -1,4 +1,4 @@
-//! What a calibration finds of the stream that a sphere meets: the rise of warmed gas, the wake of
+//! Findings of a calibration on the stream that a sphere meets: the rise of warmed gas, the wake of
 //! a stem, and gas that was not quiescent.
 
 use anemometry::calibrate::{
@@ -34,7 +34,7 @@ fn readings(count: usize, seed: u64, stream: &dyn Fn([f64; 3]) -> [f64; 3]) -> V
     all
 }
 
-/// What is chosen, and the errors in other winds of the same kind.
+/// Chosen convection, and the errors in other winds of the same kind.
 fn judged(stream: &dyn Fn([f64; 3]) -> [f64; 3]) -> (DrawnSurfaces, ComparisonSummary) {
     let (plain, seen) = (Tunnel::sectors().head(), readings(24, 1, stream));
     let head = DrawnSurfaces { convection: chosen(&plain, &seen, &OPTIONS).unwrap(), ..plain };

@@ -21,7 +21,7 @@ const PRESSURE_PA: f64 = 1000.0;
 pub struct Tunnel {
     pub sectors: bool,
     pub gas_k: f64,
-    /// Of the identification in quiescent gas.
+    /// Conductance of the identification in quiescent gas.
     pub reference_k: f64,
     pub gains: Vec<f64>,
     /// From the tunnel's frame into the head's.

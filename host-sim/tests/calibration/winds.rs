@@ -1,4 +1,4 @@
-//! How few winds suffice.
+//! Least number of winds that suffices.
 
 use crate::tunnel::{Tunnel, speeds};
 use anemometry::calibrate::{CalibrateError, ComparisonSummary, calibrate, compare};

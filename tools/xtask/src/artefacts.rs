@@ -1,4 +1,4 @@
-//! What is built, with which flags, and where cargo put it.
+//! Artefacts, with the flags of their builds, and where cargo put it.
 //!
 //! Paths are read from cargo's own messages, so that any target directory works.
 
@@ -9,7 +9,8 @@ use image_analysis::checksum::{ChecksumPlace, place};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// How cargo is told the linker of this target; before what `.cargo/config.toml` says.
+/// Variable by which cargo is told the linker of this target; before what `.cargo/config.toml`
+/// says.
 pub const LINKER_VARIABLE: &str = "CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER";
 
 /// The two boards that the firmware is built for.

@@ -72,14 +72,14 @@ fn without_links_out(html: &str, page: &Path, folder: &Path) -> String {
     kept
 }
 
-/// Whether a relative link climbs out of the book's folder.
+/// Tells whether a relative link climbs out of the book's folder.
 fn leads_out(target: &str, page: &Path, folder: &Path) -> bool {
     let depth = page.strip_prefix(folder).map_or(0, |page| page.components().count() - 1);
     let climbs = target.split('/').take_while(|part| *part == "..").count();
     climbs > depth
 }
 
-/// What a page fetches from the web, and what it shows or leads to that is not there.
+/// Faults of a page: what it fetches from the web, and what it shows or leads to that is not there.
 fn page_faults(html: &str, page: &Path) -> Vec<String> {
     let mut faults = Vec::new();
     for tag in html.split('<').filter_map(|rest| rest.split_once('>').map(|(tag, _)| tag)) {

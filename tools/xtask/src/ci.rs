@@ -1,4 +1,4 @@
-//! What continuous integration does.
+//! Stages of continuous integration.
 //!
 //! The tier `test` comes last, so that the output ends with the test runner's own summary.
 
@@ -22,7 +22,7 @@ pub fn run(jobs: clap::Command) -> Result<()> {
 }
 
 fn all(stages: &mut Stages, jobs: clap::Command) -> Result<()> {
-    // What lint needs comes first; the rest comes out of the network while it computes.
+    // The tools of lint come first; the rest comes out of the network while it computes.
     let prepare = || {
         install::thumb_target()?;
         install::lint_tools()?;

@@ -1,4 +1,4 @@
-//! How many lines of `dr-core` its own unit tests run, file by file, and which they do not.
+//! Lines of `dr-core` that its own unit tests run, file by file, and those that they do not.
 //!
 //! The compiler counts (`-C instrument-coverage`), LLVM's own two tools make a report of it.
 //! Lines of tests are not counted: they would run whatever they test. Tests of other crates and
@@ -9,7 +9,7 @@ use anyhow::{Result, bail};
 use std::collections::BTreeMap;
 
 const CRATE: &str = "dr-core";
-/// Of all lines, so many per cent at the least.
+/// Share of all lines, so many per cent at the least.
 const LEAST_PERCENT: f64 = 95.0;
 
 /// Lines of one file that hold code, and whether a test has run them.

@@ -1,4 +1,5 @@
-//! What may be depended on: licences, sources, wildcards, and advisories where a database is given.
+//! Dependencies that are allowed: licences, sources, wildcards, and advisories where a database is
+//! given.
 
 use crate::{install, shell};
 use anyhow::{Result, bail};

@@ -17,12 +17,12 @@ const STATIC: &str = "x86_64-unknown-linux-musl";
 const SHARED: &str = "x86_64-unknown-linux-gnu";
 /// A larger `anemo` is refused, bytes.
 const MOST_BYTES: u64 = 15_000_000;
-/// What is packed as it stands in the repository.
+/// Files that are packed as they stand in the repository.
 const AS_THEY_ARE: [&str; 7] =
     ["CHANGELOG.md", "LICENSE-APACHE", "LICENSE-MIT", "README.md", "docs", "experiments", "heads"];
-/// What the tried archive runs; every operating mode is in it.
+/// Experiment that the tried archive runs; every operating mode is in it.
 const EXPERIMENT: &str = "experiments/all-drives.toml";
-/// Which licences may be linked, and how they and the bill of materials are written: the second
+/// Licences that may be linked, and how they and the bill of materials are written: the second
 /// begins behind its name.
 const ABOUT: [&str; 2] = ["tools/xtask/dist/about.toml", "tools/xtask/dist/about.hbs"];
 const SBOM: &str = "anemo.cdx.json";
@@ -129,10 +129,10 @@ fn try_out(archive: &Path, name: &str) -> Result<()> {
     Ok(fs::remove_dir_all(fresh)?)
 }
 
-/// Of the heater bits of a run.
+/// Hash of the heater bits of a run.
 fn hash(anemo: &OsStr, folder: &Path, on: &str) -> Result<String> {
     let mut run = Command::new(anemo);
-    // What the archive holds is tried, not what a variable names.
+    // The firmware of the archive is tried, not what a variable names.
     run.args(["run", EXPERIMENT, "--json", "--on", on]).current_dir(folder).env_remove("ANEMO_FIRMWARE");
     let summary: serde_json::Value = serde_json::from_str(&shell::captured(&mut run)?)?;
     Ok(summary["hash"].as_str().context("the run has no hash")?.to_owned())

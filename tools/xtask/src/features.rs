@@ -33,7 +33,7 @@ pub fn run() -> Result<()> {
     Ok(())
 }
 
-/// What a job of cargo would compile, as `package target|features`.
+/// Units that a job of cargo would compile, as `package target|features`.
 fn units(mut cargo: Command) -> Result<BTreeSet<String>> {
     // The graph is not stable yet.
     cargo.args(["--unit-graph", "-Zunstable-options"]).env("RUSTC_BOOTSTRAP", "1");

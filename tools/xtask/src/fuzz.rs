@@ -1,9 +1,9 @@
 //! Lets libFuzzer look for inputs at which something does not hold, for as long as one likes, and
 //! keeps those that reach what none before has.
 //!
-//! What is tried stands in `tests/src/fuzz/`, the programs in `tools/fuzz/fuzz_targets/`, inputs that
-//! people put together in `tools/fuzz/corpus/`, what was found in `tools/fuzz/found/`. The short run over all
-//! of that needs none of this: it is one of the tests.
+//! Targets stand in `tests/src/fuzz/`, the programs in `tools/fuzz/fuzz_targets/`, inputs that
+//! people put together in `tools/fuzz/corpus/`, what was found in `tools/fuzz/found/`. The short
+//! run over all of that needs none of this: it is one of the tests.
 
 use crate::{install, shell};
 use anyhow::{Context, Result, bail};
@@ -98,8 +98,8 @@ impl Fuzzer {
         )))
     }
 
-    /// Of what was found, keeps the smallest inputs that together reach every place in the code
-    /// that any of them does and the corpus does not.
+    /// Keeps the smallest of the found inputs that together reach every place in the code that any
+    /// of them does and the corpus does not.
     fn keep(&self, name: &str, corpus: &Path, working: &Path, kept: &Path) -> Result<()> {
         let chosen = self.target_directory.join("chosen").join(name);
         std::fs::remove_dir_all(&chosen).ok();
@@ -109,7 +109,7 @@ impl Fuzzer {
             std::fs::copy(path, &to).with_context(|| to.display().to_string())?;
         }
         let mut merge = self.libfuzzer(name, &[&chosen, &working.to_owned()]);
-        // Whether a place is reached counts, not how often: the latter keeps thousands.
+        // Places count, not how often each is reached: the latter keeps thousands.
         shell::run(merge.args(["-merge=1", "-use_counters=0", "-verbosity=0"]))?;
 
         let found = files(&chosen)?.into_iter().filter_map(|path| Some(path.file_name()?.to_owned()));
@@ -134,7 +134,7 @@ impl Fuzzer {
     }
 }
 
-/// What is in a folder, by name.
+/// Files of a folder, by name.
 fn files(folder: &Path) -> Result<Vec<PathBuf>> {
     let entries = std::fs::read_dir(folder).with_context(|| folder.display().to_string())?;
     let mut files: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();

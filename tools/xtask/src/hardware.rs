@@ -32,7 +32,7 @@ pub struct HardwareOptions {
     write: bool,
 }
 
-/// What a netlist has printed, by name; a crossing that does not come is missing.
+/// Values that a netlist has printed, by name; a crossing that does not come is missing.
 type Measured = BTreeMap<String, f64>;
 
 pub fn run(options: &HardwareOptions) -> Result<()> {

@@ -6,7 +6,7 @@
 
 use crate::shell;
 use anyhow::{Context, Result, bail};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Command;
 
 /// Target triple of the boards.
@@ -14,24 +14,24 @@ pub const TARGET: &str = "thumbv7em-none-eabihf";
 const FLIP_LINK: Tool = Tool::new("flip-link", "0.1.12");
 /// The program that builds fuzz targets and runs them.
 pub const CARGO_FUZZ: Tool = Tool::new("cargo-fuzz", "0.13.2");
-/// What changes code to see whether a test finds it. Always this version: what it changes differs
-/// from one to the next.
+/// Program that changes code to see whether a test finds it. Always this version: what it changes
+/// differs from one to the next.
 pub const CARGO_MUTANTS: Tool = Tool::new("cargo-mutants", "27.1.0");
-/// What finds the licences of all that is linked.
+/// Program that finds the licences of all that is linked.
 pub const CARGO_ABOUT: Tool = Tool { options: &["--features", "cli"], ..Tool::new("cargo-about", "0.9.3") };
-/// What looks at licences and sources of dependencies. It is run once, and compiled in a quarter of
-/// the time without optimisation.
+/// Program that looks at licences and sources of dependencies. It is run once, and compiled in a
+/// quarter of the time without optimisation.
 pub const CARGO_DENY: Tool = Tool { options: &["--debug"], ..Tool::new("cargo-deny", "0.20.2") };
-/// What makes the book, without its server; in a few seconds, and compiled in a quarter of the time
-/// without optimisation.
+/// Program that makes the book, without its server; in a few seconds, and compiled in a quarter of
+/// the time without optimisation.
 pub const MDBOOK: Tool =
     Tool { options: &["--debug", "--no-default-features", "--features", "search"], ..Tool::new("mdbook", "0.5.4") };
-/// What makes MathML of the book's equations.
+/// Program that makes MathML of the book's equations.
 pub const MATHCORE: Tool = Tool { program: "mathcore", options: &["--debug"], ..Tool::new("math-core-cli", "0.7.0") };
 /// The compiler for what the pinned one cannot do: fuzzing and miri. Of a day, so that it is the
 /// same tomorrow.
 const NIGHTLY: &str = "nightly-2026-10-30";
-/// What simulates the board's netlists.
+/// Program that simulates the board's netlists.
 pub const NGSPICE: &str = "ngspice";
 pub const QEMU: &str = "qemu-system-arm";
 
@@ -51,10 +51,7 @@ impl Tool {
     }
 }
 
-/// Where Debian and others keep their libraries, except for LLVM's own folders.
-const LIBRARY_FOLDERS: [&str; 4] =
-    ["/usr/lib", "/usr/lib64", "/usr/lib/x86_64-linux-gnu", "/usr/lib/aarch64-linux-gnu"];
-/// What Python has beside itself for the pages that use it.
+/// Packages of Python for the pages that use it.
 const PYTHON_REQUIREMENTS: &str = "tools/xtask/python-requirements.txt";
 
 /// The thumb target's core library, for building firmware.
@@ -77,7 +74,7 @@ pub fn printed_by_rustc(what: &str) -> Result<PathBuf> {
     folder.map(PathBuf::from).context("rustc does not run; install Rust by https://rustup.rs and start again")
 }
 
-/// What installs toolchains and their parts; `missing` is what for.
+/// Command that installs toolchains and their parts; `missing` is what for.
 fn rustup(missing: &str) -> Result<Command> {
     if !shell::answers("rustup", &["--version"]) {
         bail!("{missing} is missing and there is no rustup to install it; install Rust by https://rustup.rs");
@@ -174,32 +171,14 @@ pub fn ngspice() -> Result<()> {
     package(NGSPICE, || shell::answers(NGSPICE, &["--version"]))
 }
 
-/// What the crate `silicon` needs beside the compiler: its emulated core is C, and the binding to
-/// it is made as it is built.
+/// Installs what the crate `silicon` needs beside the compiler: its emulated core is C, and the
+/// binding to it is made as it is built.
 pub fn emulated_core() -> Result<()> {
     package("cmake", || shell::answers("cmake", &["--version"]))?;
-    package("libclang-dev", has_libclang)
-}
-
-/// Whether the library is where its binding looks for it.
-fn has_libclang() -> bool {
-    let of_llvm = files_of(Path::new("/usr/lib")).filter(|folder| name_of(folder).starts_with("llvm"));
-    let folders = of_llvm.map(|folder| folder.join("lib")).chain(LIBRARY_FOLDERS.map(PathBuf::from));
-    let is_libclang = |file: PathBuf| {
-        let name = name_of(&file);
-        (name.starts_with("libclang.") || name.starts_with("libclang-1") || name.starts_with("libclang-2"))
-            && name.contains(".so")
-    };
-    std::env::var_os("LIBCLANG_PATH").is_some() || folders.flat_map(|folder| files_of(&folder)).any(is_libclang)
-}
-
-/// What a folder contains; nothing if it cannot be read.
-fn files_of(folder: &Path) -> impl Iterator<Item = PathBuf> + use<> {
-    std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path())
-}
-
-fn name_of(path: &Path) -> String {
-    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    // Where Debian and others keep it, with or without its version.
+    let find = "find /usr/lib /usr/lib64 -name 'libclang.*so*' -o -name 'libclang-[12]*.so*' | grep -q .";
+    let is_named = std::env::var_os("LIBCLANG_PATH").is_some();
+    package("libclang-dev", || is_named || shell::answers("sh", &["-c", find]))
 }
 
 /// Python with the packages that pages use. Gives the folder of its programs.
@@ -228,7 +207,7 @@ pub fn python_environment(name: &str, requirements: &str) -> Result<PathBuf> {
     Ok(programs)
 }
 
-/// Whether a program is there. Servers may be where only root's path leads.
+/// Tells whether a program is there. Servers may be where only root's path leads.
 pub fn is_on_path(program: &str) -> bool {
     let path = std::env::var_os("PATH").unwrap_or_default();
     std::env::split_paths(&path).chain([PathBuf::from("/usr/sbin")]).any(|folder| folder.join(program).is_file())

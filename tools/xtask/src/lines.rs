@@ -1,7 +1,7 @@
 //! Lines of code and words of pages, crate by crate and folder by folder.
 //!
-//! Every column counts lines of code: those that hold more than blanks and comments. Text between
-//! quotes is code. A crate is the folder of the nearest `Cargo.toml`.
+//! Every column counts lines of code: those that are neither blank nor begin as a comment. A crate
+//! is the folder of the nearest `Cargo.toml`.
 //!
 //! - code: Rust sources of libraries and binaries, Python packages, scripts of the pages
 //! - doc comments: `///`, `//!` and docstrings of code

@@ -29,6 +29,7 @@ mod programs;
 mod python;
 mod reference;
 mod registers;
+mod response;
 mod safety;
 mod same_results;
 mod seeded;

@@ -13,13 +13,13 @@ impl Part<'_> {
     }
 }
 
-/// What stands between two fences.
+/// Block between two fences.
 pub struct FencedBlock<'a> {
     /// Line of the opening fence.
     pub line: usize,
-    /// What stands behind the opening fence: the language first.
+    /// Words behind the opening fence: the language first.
     pub info: &'a str,
-    /// How far the opening fence is indented, in spaces.
+    /// Indent of the opening fence, in spaces.
     pub indent: usize,
     /// The lines between the fences, without that indent.
     pub lines: Vec<&'a str>,

@@ -1,4 +1,4 @@
-//! What takes longer than continuous integration has time for, in stages of at most an hour.
+//! Stages that take longer than continuous integration has time for, in stages of at most an hour.
 //!
 //! Each stage runs as a process of its own, writes into a log of its own, and ends as a line in a
 //! table. A stage that has passed on the present commit is not repeated, so that an interrupted
@@ -17,12 +17,10 @@ use anyhow::{Context, Result, bail};
 use std::fs::{self, File, OpenOptions};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::time::Instant;
 
 const LONGEST_STAGE_S: u32 = 3_600;
-/// Exit code of `timeout` for a program that it has stopped.
-const TIMED_OUT: i32 = 124;
 const COLUMNS: &str = "date,commit,stage,outcome,seconds";
 const PASSED: &str = "ok";
 /// Parts of some 500 changes of the board's files. A night tries one, which the commit chooses.
@@ -56,7 +54,7 @@ const fn stage(name: &'static str, what: &'static str, run: fn() -> Result<()>) 
     NightlyStage { name, what, run }
 }
 
-/// Those that fail for most reasons come first.
+/// Stages that fail for most reasons come first.
 const STAGES: [NightlyStage; 23] = [
     stage("long-tests", "tests that are marked `nightly`, of all crates", long_tests),
     stage("gallery", "notebooks of the Python package beside other libraries", gallery),
@@ -167,14 +165,13 @@ impl Night {
 /// Runs a stage in a process of its own, which is ended with all that it has started after an hour.
 fn run_apart(name: &str, log: &Path) -> Result<&'static str> {
     let output = File::create(log).with_context(|| format!("{} cannot be written", log.display()))?;
-    let mut apart = Command::new("timeout");
-    apart.args(["--kill-after=60", &LONGEST_STAGE_S.to_string()]).arg(std::env::current_exe()?);
-    apart.args(["nightly", "--here", name]).current_dir(shell::root());
+    let mut apart = shell::limited(LONGEST_STAGE_S, std::env::current_exe()?);
+    apart.args(["nightly", "--here", name]);
     apart.stdin(Stdio::null()).stdout(output.try_clone()?).stderr(output);
     let status = apart.status().context("`timeout` cannot be started")?;
     Ok(match status.code() {
         Some(0) => PASSED,
-        Some(TIMED_OUT) => "too long",
+        Some(shell::TIMED_OUT) => "too long",
         _ => "failed",
     })
 }

@@ -18,7 +18,7 @@ const EMULATED: &str = "silicon";
 /// Folder of measured records, which the tests' `shared_data` looks for by itself, too.
 const SHARED_DATA: [&str; 2] = ["ANEMO_SHARED_DATA", "../shared/data"];
 
-/// What is tested.
+/// Tier of tests.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Tier {
     /// All but the emulated core, which need not be built, and but the programs of `ci`.
@@ -33,7 +33,7 @@ pub struct TestPrograms {
     anemo: PathBuf,
     firmware: PathBuf,
     sensor_firmware: PathBuf,
-    /// Those that the tier `test` runs.
+    /// Programs that the tier `test` runs.
     quick: Vec<String>,
 }
 
@@ -92,7 +92,7 @@ impl TestPrograms {
         cargo
     }
 
-    /// What the commands in pages run.
+    /// Programs that the commands in pages run.
     pub fn of_pages(&self) -> Result<PagePrograms> {
         let (anemo, firmware) = (self.anemo.clone(), self.firmware.clone());
         Ok(PagePrograms { anemo, interface: artefacts::interface()?, firmware })

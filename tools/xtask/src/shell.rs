@@ -18,6 +18,16 @@ pub fn program(name: impl AsRef<OsStr>) -> Command {
     command
 }
 
+/// Exit code of [`limited`] for a program that it has stopped.
+pub const TIMED_OUT: i32 = 124;
+
+/// A program that is stopped, with all that it has started, after so many seconds.
+pub fn limited(limit_s: u32, name: impl AsRef<OsStr>) -> Command {
+    let mut command = program("timeout");
+    command.args(["--kill-after=10", &limit_s.to_string()]).arg(name);
+    command
+}
+
 /// The cargo that runs this crate.
 ///
 /// `RUSTFLAGS` are taken away: they would replace the flags of `.cargo/config.toml`, and with them
@@ -25,7 +35,7 @@ pub fn program(name: impl AsRef<OsStr>) -> Command {
 pub fn cargo() -> Command {
     let mut command = program(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
-    // What cargo has said of this crate: build scripts that look at it would take a job for another
+    // Cargo has described this crate: build scripts that look at it would take a job for another
     // than the same by hand, and build anew.
     let said = std::env::vars_os().map(|(name, _)| name);
     for name in
@@ -125,7 +135,7 @@ pub fn answers(name: &str, arguments: &[&str]) -> bool {
     status.is_ok_and(|status| status.success())
 }
 
-/// What a program prints, trimmed, or nothing if it cannot be run or fails.
+/// Output of a program, trimmed, or nothing if it cannot be run or fails.
 pub fn output_of(name: &str, arguments: &[&str]) -> Option<String> {
     let output = program(name).args(arguments).stdin(Stdio::null()).output().ok()?;
     output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
@@ -163,6 +173,13 @@ mod tests {
         unpack(&own.join("first.tar.gz"), &own.join("to"))?;
         assert_eq!(std::fs::read(own.join("to/from/b"))?, b"\0b");
         Ok(std::fs::remove_dir_all(own)?)
+    }
+
+    #[test]
+    fn what_never_ends_is_stopped_and_what_ends_tells_how() {
+        let code = |command: &mut Command| command.status().expect("every system has it").code();
+        assert_eq!(code(limited(1, "sleep").arg("60")), Some(TIMED_OUT));
+        assert_eq!(code(&mut limited(60, "false")), Some(1));
     }
 
     #[test]

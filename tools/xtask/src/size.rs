@@ -1,4 +1,4 @@
-//! What the firmware takes of flash and RAM, and what must not be linked into it.
+//! Flash and RAM that the firmware takes, and what must not be linked into it.
 //!
 //! flash = all that is stored: vector table, code, constants and initial values of `.data`. RAM =
 //! `.data` + `.bss` + `.uninit`; what is left is the stack's. Buffers for telemetry are sized by
@@ -14,8 +14,9 @@ const KIB: u64 = 1024;
 /// Budget of the image, of 960 KiB that the settings leave it.
 const FLASH_BUDGET: u64 = 512 * KIB;
 /// Budget of static RAM without the telemetry buffers, of 128 KiB; nearly all of it is one head of
-/// 16 elements and eight surfaces: network, amplitudes, elements, a self-test.
-const RAM_BUDGET: u64 = 40 * KIB;
+/// 16 elements and eight surfaces: network, amplitudes, elements, a self-test, ticks that wait for
+/// their estimates.
+const RAM_BUDGET: u64 = 44 * KIB;
 const RAM: u64 = 128 * KIB;
 /// A static whose own name contains this, in any case, is a telemetry buffer.
 const TELEMETRY: &str = "telemetry";
@@ -35,7 +36,7 @@ const DMA_PAGE: &str = "docs/reference/board-firmware.md";
 /// Statics that the DMA fills and empties, and what stands before their size.
 const DMA_BUFFERS: [(&str, &str); 2] =
     [("TELEMETRY_RECEIVED", "priority very high, "), ("TELEMETRY_FRAME", "priority medium, ")];
-/// How many of the largest symbols are shown for each memory.
+/// Number of the largest symbols that are shown for each memory.
 const SHOWN: usize = 8;
 
 struct Usage {
@@ -105,7 +106,7 @@ fn judge(image: &Image, usage: &Usage) -> Vec<String> {
 fn compare(image: &Image, usage: &Usage) -> Result<()> {
     let kib = |bytes: u64| bytes as f64 / KIB as f64;
     let measured = [kib(usage.flash), kib(usage.ram - usage.telemetry)];
-    stated::check(NUMBERS, "| ≤ 512 KiB; ≤ 40 KiB | ", &measured)?;
+    stated::check(NUMBERS, "| ≤ 512 KiB; ≤ 44 KiB | ", &measured)?;
     for (name, before) in DMA_BUFFERS {
         let buffers = symbols(image, true);
         let buffer = buffers.iter().find(|symbol| symbol.name.ends_with(name)).with_context(|| format!("no {name}"))?;

@@ -16,9 +16,9 @@ pub struct RustFile {
     /// Folder of the nearest `Cargo.toml`, in the same form.
     pub crate_folder: String,
     pub text: String,
-    /// Whether each line belongs to tests.
+    /// Lines that belong to tests.
     pub in_tests: Vec<bool>,
-    /// What each line holds.
+    /// Content of each line.
     pub kinds: Vec<LineKind>,
 }
 
@@ -81,14 +81,13 @@ pub fn files_with_extension(folder: &Path, extension: &str) -> Result<Vec<PathBu
 fn mark(files: &mut [RustFile]) {
     let mut test_modules = Vec::new();
     for file in &mut *files {
-        let lines = scan(&file.text);
-        file.kinds = lines.iter().map(|line| line.kind).collect();
+        let lines: Vec<&str> = file.text.lines().collect();
+        file.kinds = lines.iter().map(|line| kind(line)).collect();
         file.in_tests = in_tests(&lines);
         let path = file.path.trim_end_matches(".rs");
         let folder = ["/mod", "/lib", "/main"].iter().find_map(|root| path.strip_suffix(root)).unwrap_or(path);
         let names = lines.iter().zip(&file.in_tests).filter(|(_, is_test)| **is_test);
-        let names =
-            names.filter_map(|(line, _)| line.code.strip_suffix(';')?.rsplit_once("mod ").map(|(_, name)| name));
+        let names = names.filter_map(|(line, _)| line.strip_suffix(';')?.rsplit_once("mod ").map(|(_, name)| name));
         test_modules.extend(names.map(|name| format!("{folder}/{name}")));
     }
     for file in files {
@@ -101,109 +100,41 @@ fn mark(files: &mut [RustFile]) {
     }
 }
 
-/// A line as far as it matters here.
-struct ScannedLine {
-    kind: LineKind,
-    /// Without comments and what stands within quotes.
-    code: String,
-    /// Brackets that are open after it.
-    depth: i32,
-    /// Whether it holds `"testing"`.
-    names_testing: bool,
-}
-
-/// Reads all lines, with texts and comments that go on over several of them.
-fn scan(text: &str) -> Vec<ScannedLine> {
-    /// What a line begins within.
-    enum Open {
-        Code,
-        /// A text that ends so.
-        Text(String),
-        Comment,
+fn kind(line: &str) -> LineKind {
+    let line = line.trim_start();
+    let is_documentation = line.starts_with("//!") || line.starts_with("///") && !line.starts_with("////");
+    match line {
+        _ if is_documentation => LineKind::Documentation,
+        "" => LineKind::Empty,
+        _ if line.starts_with("//") => LineKind::Empty,
+        _ => LineKind::Code,
     }
-    let (mut open, mut depth) = (Open::Code, 0);
-    let scanned = |line: &str| {
-        let trimmed = line.trim_start();
-        let is_documentation = matches!(open, Open::Code)
-            && (trimmed.starts_with("//!") || trimmed.starts_with("///") && !trimmed.starts_with("////"));
-        let mut has_code = matches!(open, Open::Text(_)) && !trimmed.is_empty();
-        let (mut rest, mut code) = (line, String::new());
-        while let Some(next) = rest.chars().next() {
-            let mut length = next.len_utf8();
-            match &open {
-                Open::Text(end) if rest.starts_with(&**end) => {
-                    length = end.len();
-                    code.push('"');
-                    open = Open::Code;
-                }
-                Open::Text(end) if next == '\\' && end == "\"" => length = rest.len().min(2),
-                Open::Comment if rest.starts_with("*/") => (open, length) = (Open::Code, 2),
-                Open::Text(_) | Open::Comment => {}
-                Open::Code if rest.starts_with("//") => break,
-                Open::Code if rest.starts_with("/*") => (open, length) = (Open::Comment, 2),
-                Open::Code => {
-                    let hashes = rest.strip_prefix('r').map_or(0, |raw| raw.len() - raw.trim_start_matches('#').len());
-                    let is_word = code.ends_with(|c: char| c.is_alphanumeric() && c != 'b' || c == '_');
-                    if !is_word && next == 'r' && rest[1 + hashes..].starts_with('"') {
-                        length = 2 + hashes;
-                        open = Open::Text(format!("\"{}", "#".repeat(hashes)));
-                        code.push('"');
-                    } else if next == '"' {
-                        open = Open::Text("\"".to_owned());
-                        code.push('"');
-                    } else if next == '\''
-                        && let Some(letter) = letter(rest)
-                    {
-                        length = letter;
-                    } else {
-                        depth += i32::from("([{".contains(next)) - i32::from(")]}".contains(next));
-                        code.push(next);
-                    }
-                }
-            }
-            rest = rest.get(length..).unwrap_or_default();
-        }
-        has_code |= !code.trim().is_empty();
-        let kind = match (is_documentation, has_code) {
-            (true, _) => LineKind::Documentation,
-            (false, true) => LineKind::Code,
-            (false, false) => LineKind::Empty,
-        };
-        let names_testing = line.contains("\"testing\"");
-        ScannedLine { kind, code: code.trim().to_owned(), depth, names_testing }
-    };
-    text.lines().map(scanned).collect()
 }
 
-/// Bytes of a letter between quotes, which begins here; a lifetime has no second one.
-fn letter(text: &str) -> Option<usize> {
-    let mut letters = text.char_indices().skip(1);
-    let (_, first) = letters.next()?;
-    let end = if first == '\\' { text[3..].find('\'').map(|at| at + 3) } else { letters.next().map(|(at, _)| at) };
-    end.filter(|&at| text[at..].starts_with('\'')).map(|at| at + 1)
-}
-
-/// Lines of modules, items, fields and branches that are for tests, attributes included.
-fn in_tests(lines: &[ScannedLine]) -> Vec<bool> {
-    let is_attribute = |line: &ScannedLine| line.code.starts_with("#[") || line.kind == LineKind::Documentation;
+/// Marks modules, items, fields and branches that are for tests, attributes included. Each ends
+/// with the first line of its own indent that closes it.
+fn in_tests(lines: &[&str]) -> Vec<bool> {
+    let indent = |line: &str| line.len() - line.trim_start().len();
+    let is_attribute = |line: &&&str| line.trim_start().starts_with("#[") || kind(line) == LineKind::Documentation;
     let mut marks = vec![false; lines.len()];
-    if lines.iter().any(|line| line.code.starts_with("#![cfg(") && is_for_tests(line)) {
+    if lines.iter().any(|line| line.starts_with("#![cfg(") && is_for_tests(line)) {
         marks.fill(true);
     }
     for (at, line) in lines.iter().enumerate() {
-        if marks[at] || !line.code.starts_with("#[cfg(") || !is_for_tests(line) {
+        if marks[at] || !line.trim_start().starts_with("#[cfg(") || !is_for_tests(line) {
             continue;
         }
-        let before = lines[..at].iter().rev().take_while(|line| is_attribute(line)).count();
-        let first = at + lines[at..].iter().take_while(|line| is_attribute(line)).count();
-        let is_value = lines.get(first).is_some_and(|line| {
-            let word = line.code.trim_start_matches("pub").trim_start_matches("(crate)").trim_start();
-            ["let ", "use ", "const ", "static ", "type "].iter().any(|value| word.starts_with(value))
-                && !word.starts_with("const fn ")
-        });
-        let ends = |line: &ScannedLine| {
-            line.depth <= lines[at].depth
-                && (line.code.ends_with(';') || !is_value && (line.code.ends_with('}') || line.code.ends_with(',')))
+        let before = lines[..at].iter().rev().take_while(is_attribute).count();
+        let first = at + lines[at..].iter().take_while(is_attribute).count();
+        let Some(item) = lines.get(first) else { continue };
+        // A value that begins on the next line ends further in.
+        let goes_on = item.ends_with(" =");
+        let ends = |line: &&str| match indent(line).checked_sub(indent(item)) {
+            Some(0 | 4) if goes_on => line.ends_with(';'),
+            Some(0) => {
+                (line == item || line.trim_start().starts_with(['}', ')', ']'])) && line.ends_with(['}', ';', ','])
+            }
+            _ => false,
         };
         let length = lines[first..].iter().position(ends).map_or(lines.len() - first, |end| end + 1);
         marks[at - before..first + length].fill(true);
@@ -211,10 +142,10 @@ fn in_tests(lines: &[ScannedLine]) -> Vec<bool> {
     marks
 }
 
-/// Whether the condition of a line names tests outside of `not`.
-fn is_for_tests(line: &ScannedLine) -> bool {
-    let condition = line.code.replace("not(test)", "");
-    line.names_testing || condition.split(|c: char| !c.is_alphanumeric()).any(|word| word == "test")
+/// Says if a condition names tests outside of `not`.
+fn is_for_tests(line: &str) -> bool {
+    let condition = line.replace("not(test)", "").replace("\"test\"", "");
+    condition.contains("\"testing\"") || condition.split(|c: char| !c.is_alphanumeric()).any(|word| word == "test")
 }
 
 #[cfg(test)]
@@ -222,7 +153,7 @@ mod tests {
     use super::*;
 
     fn test_lines(text: &str) -> Vec<bool> {
-        in_tests(&scan(text))
+        in_tests(&text.lines().collect::<Vec<_>>())
     }
 
     fn file(path: &str, text: &str) -> RustFile {
@@ -239,8 +170,8 @@ mod tests {
         assert_eq!(test_lines(text), [false, true, true, true, true, false, false, true, true, false]);
         let text = "impl X {\n    /// Doc.\n    #[cfg(test)]\n    pub fn f(a: impl I<T = u8>) -> u8 {\n        1\n    }\n    fn g() {}\n}\n";
         assert_eq!(test_lines(text), [false, true, true, true, true, true, false, false]);
-        let text = "#[cfg(test)]\nconst A: B =\n    B { c: r#\"\n}\n\"# }\n.d();\nfn h() {}\n";
-        assert_eq!(test_lines(text), [true, true, true, true, true, true, false]);
+        let text = "#[cfg(test)]\nconst A: B =\n    b(|| {\n        x();\n    });\nfn h() {}\n";
+        assert_eq!(test_lines(text), [true, true, true, true, true, false]);
     }
 
     #[test]
@@ -266,12 +197,11 @@ mod tests {
     }
 
     #[test]
-    fn text_in_quotes_is_code_and_a_comment_is_nothing() {
+    fn a_line_is_code_documentation_or_nothing() {
         use LineKind::{Code, Documentation, Empty};
-        let text = "//! Doc.\n/* a\nfn f() {}\n*/\n/// Doc.\nconst A: &str = \"\n// no comment\n\n/// nor this\n\"; // why\n// why\nm! { /// Doc.\n    a / b }\n";
-        let kinds: Vec<_> = scan(text).into_iter().map(|line| line.kind).collect();
-        let start = [Documentation, Empty, Empty, Empty, Documentation, Code, Code, Empty, Code, Code, Empty];
-        assert_eq!(kinds, [start.as_slice(), &[Code, Code]].concat());
+        let text = "//! Doc.\n    /// Doc.\n//// none\n\n    // why\nm! { /// Doc.\n    a / b }\n";
+        let kinds: Vec<_> = text.lines().map(kind).collect();
+        assert_eq!(kinds, [Documentation, Documentation, Empty, Empty, Empty, Code, Code]);
     }
 
     #[test]

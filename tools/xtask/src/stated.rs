@@ -35,7 +35,7 @@ mod tests {
     #[test]
     fn a_page_that_states_another_number_is_refused() {
         let page = "docs/reference/wire.md";
-        assert!(check(page, "A frame has at most ", &[320.0]).is_ok());
+        assert!(check(page, "A frame has at most ", &[256.0]).is_ok());
         assert!(check(page, "A frame has at most ", &[224.0]).is_err());
     }
 }

@@ -107,7 +107,7 @@ fn option_name(arg: &Arg) -> String {
     identifier(arg.get_long().unwrap_or_default())
 }
 
-/// How an option's value is handed on.
+/// Way in which an option's value is handed on.
 fn passed(arg: &Arg) -> String {
     let name = option_name(arg);
     match arg.get_action() {
@@ -127,7 +127,7 @@ fn annotation(arg: &Arg) -> &'static str {
     }
 }
 
-/// What the help says, in the order of a docstring.
+/// Text of the help, in the order of a docstring.
 fn documentation(command: &Command, positionals: &[&Arg], options: &[&Arg]) -> String {
     let about = command.get_long_about().or(command.get_about()).map(ToString::to_string).unwrap_or_default();
     let mut text = wrapped(&about, "    ").trim_start().to_owned();

@@ -9,7 +9,7 @@ use clap::{Arg, ArgAction, Command};
 /// A page, its commands in order.
 struct Page {
     file: &'static str,
-    /// What its commands are about, in a word.
+    /// Subject of its commands, in a word.
     kind: &'static str,
     about: &'static str,
     commands: &'static [&'static str],
@@ -62,7 +62,7 @@ A file is written in whole or not at all. Below a command's name stands what it 
 may be left out, what `...` follows may be repeated.
 ";
 
-/// What an option that prints JSON says if it only says so.
+/// Help of an option that prints JSON if it only says so.
 const JSON: &str = "Print one JSON object instead of the ";
 
 /// All pages, as (file, text).
@@ -137,7 +137,7 @@ fn about(command: &Command) -> String {
 /// Rows that stand on this page or one before, and a link to the command where.
 #[derive(Default)]
 struct Said {
-    /// Of this page.
+    /// Name of this page.
     file: &'static str,
     rows: Vec<(Row, String)>,
 }

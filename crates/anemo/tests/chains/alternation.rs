@@ -98,7 +98,7 @@ fn heat_is_found(name: &str, sunny: usize, intensity: &str) {
     let most = if name == "strong" { (3.0, 3.0) } else { (0.7, 1.5) };
     assert!(after.0 <= most.0 && after.1 <= most.1, "{name}: {after:?}");
     assert!(after.2.as_str().unwrap().contains(&format!("are applied, by offsets in {name}.parquet")), "{after:?}");
-    // What is applied already is not found again, and a run says that it is.
+    // An applied correction is not found again, and a run says that it is.
     let again = wind(folder, &[&[&format!("{name}.parquet")[..]], &OFFSETS[..], &["--head", &head]].concat());
     assert_eq!(again["slow_errors"]["is_applied"], false, "{}", again["slow_errors"]);
     let with_head = replaced(&text, &[("duration_s = ", "duration_s = 60.0 # "), ("half_s = ", "half_s = 30.0 # ")]);

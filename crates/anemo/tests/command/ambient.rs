@@ -82,7 +82,7 @@ fn files_that_go_on_are_as_one_and_a_gap_is_bridged() {
         [&class["steady_gain_k_per_w"], &class["se_steady_gain_k_per_w"]].map(|value| value.as_f64().unwrap())
     };
     let whole = gain(&["whole.csv"]);
-    // What sums are counted from is the mean of what was read first.
+    // Sums are counted from the mean of what was read first.
     let parts = gain(&["1.csv", "2.csv", "3.csv"]);
     assert!(parts.iter().zip(whole).all(|(part, whole)| (part / whole - 1.0).abs() < 1e-9), "{parts:?}, {whole:?}");
     let [value, se] = gain(&["1.csv", "late.csv"]);

@@ -41,7 +41,7 @@ fn a_model_from_pseudo_random_symbols_predicts_the_closed_loop() {
     let from_rest = ["--initial-state", "rest", "--drift", "none"];
     let identify = [&["identify", "prbs.parquet", "-o", "charge.json"], &columns[..], &from_rest].concat();
     stdout(&anemo(folder, &identify));
-    // Of first order within what a symbol moves, 0.04 V.
+    // It is of first order within what a symbol moves, 0.04 V.
     for (order, tolerance_v) in [(1, 0.02), (2, 0.001)] {
         let drive = format!("{{ hold = {{ shift_v = 0.15, order = {order} }} }}");
         std::fs::write(folder.join("hold.toml"), text(1.0, 4000.0, &drive)).unwrap();
@@ -73,7 +73,7 @@ fn meter(misbehaviour: Option<Misbehaviour>, experiment: &Path) -> PretendedMete
 fn a_meter_runs_the_same_experiment_and_is_left_at_zero() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    // Of a second each: on a busy machine shorter ones are late, which ends a run.
+    // Symbols last a second each: on a busy machine shorter ones are late, which ends a run.
     write(folder, &text(1.0, 10.0, "{ hold = { shift_v = 0.05 } }"));
     let meter = meter(None, &folder.join("experiment.toml"));
     let on = format!("scpi:{}", meter.address());

@@ -128,7 +128,7 @@ fn a_gas_that_swings_is_told_recorded_drawn_and_remarked_upon() {
         let expected = -53.15 + 5.0 * libm::sin(std::f64::consts::TAU * tick as f64 * 0.01 / 600.0);
         assert!((gas_c - expected).abs() < 5e-6, "{tick}: {gas_c} for {expected}");
     }
-    // What it swings about is what the metadata say.
+    // It swings about the value of the metadata.
     assert!(csv.contains("\n# gas_temperature_c: -53.15\n"));
 
     let output = anemo(folder, &["identify", "r.csv", "--input", "sector1", "--output", "sector1"]);

@@ -10,7 +10,7 @@ use super::process::{self, json, stdout, words};
 
 /// Rows of a wind, a second apart.
 const ROWS: usize = 6;
-/// Of `anemo wind`, what is read.
+/// Columns of `anemo wind`, what is read.
 const COLUMNS: &str = "time_s,event,true_wind_x_m_s,true_wind_y_m_s,true_wind_z_m_s,wind_x_m_s,wind_y_m_s,wind_z_m_s,wind_speed_m_s,\
                        wind_speed_u_m_s,wind_direction_u_deg";
 
@@ -91,7 +91,7 @@ fn needles_a_film_and_a_vane_know_together_what_none_knows_alone() {
     assert!(picture.contains("wind by needles-new, film-new, junctions-new") && !picture.contains("0 elements"));
     let wind = Recording::read(&folder.join("wind.parquet")).unwrap();
     assert_eq!(wind.len(), 41 * ROWS);
-    // What it wrote is an instrument again.
+    // Its file is an instrument again.
     let again = printed(folder, "combine wind.parquet film-new.csv --settle 2 --json");
     assert_eq!(again["instruments"][0]["components"], 2);
 

@@ -52,7 +52,7 @@ fn experiments_follow_a_head_that_there_is() {
         assert!(!known("junction1") && !known("reference") && !known("cold1") && !known("boom"), "{name}");
         stdout(&anemo(folder, &["check", &format!("{name}/tunnel.toml")]));
     }
-    // What only senses is not driven.
+    // An element that only senses is not driven.
     let path = folder.join("viking/held.toml");
     let text = std::fs::read_to_string(&path).unwrap();
     std::fs::write(&path, text.replacen("[drives]\n", "[drives]\njunction1 = { level = \"high\" }\n", 1)).unwrap();
@@ -162,7 +162,7 @@ fn printed_commands_identify_what_is_held_and_only_that() {
     let stderr = String::from_utf8(output.stderr).unwrap();
     let expected = "warning: winds of the experiments reach 10 m/s, but `wire4` can be held up to 3.55 m/s: ";
     assert!(stderr.starts_with(expected) && stderr.lines().count() == 1, "{stderr}");
-    // As is a head that `anemo calibrate` refuses; the commands end before it.
+    // So is a head that `anemo calibrate` refuses; the commands end before it.
     let output = anemo(folder, &["head", "new", "boom", "--from", &project_head("rems.toml")]);
     let stderr = String::from_utf8(output.stderr.clone()).unwrap();
     assert!(stderr.contains("no `anemo calibrate` follows: head `boom` has 12 elements"), "{stderr}");

@@ -48,7 +48,7 @@ fn growing_losses_are_found_by_themselves_and_known_to_every_command() {
     let model = json(folder, &["identify", "first.csv", "-o", "m.json", "--json"]);
     let loss = &model["losses"]["elements"][0];
     assert_eq!((&model["losses"]["origin"], &loss["input"]), (&"offset".into(), &"power_w_a".into()));
-    // What the sums leave of a percent.
+    // Rest of a percent that the sums leave.
     let b = loss["b_per_k"]["value"].as_f64().unwrap();
     assert!((b / GROWTH_PER_K - 1.0).abs() < 0.1, "{b}");
     let rmse = |start: &str| {
@@ -63,7 +63,7 @@ fn growing_losses_are_found_by_themselves_and_known_to_every_command() {
     let held = json(folder, &["analyse", "m.json", "--target", "40", "--low", "0", "--high", "5", "--json"]);
     let steady_w = held["steady_power_w"].as_f64().unwrap();
     let truth_w = CONDUCTANCE_W_PER_K * 40.0 * (1.0 + GROWTH_PER_K * 40.0);
-    // As sure as the gain is.
+    // It is as sure as the gain.
     let all = &model["pairs"][0]["classes"]["all"];
     let gain = |key: &str| all[key].as_f64().unwrap();
     let sure = 2.0 * gain("se_steady_gain_k_per_w") / gain("steady_gain_k_per_w");

@@ -16,7 +16,7 @@ pub fn words(line: &str) -> Vec<&str> {
     line.split(' ').collect()
 }
 
-/// What it printed, having done its work.
+/// Output of a command that succeeds.
 pub fn stdout(output: &Output) -> String {
     assert!(output.status.success(), "{output:?}");
     String::from_utf8(output.stdout.clone()).unwrap()
@@ -27,7 +27,7 @@ pub fn json(folder: &Path, arguments: &[&str]) -> Value {
     serde_json::from_str(&stdout(&anemo(folder, arguments))).unwrap()
 }
 
-/// What it says, ending with this code.
+/// Sentence of a command that ends with this code.
 pub fn refused(folder: &Path, arguments: &[&str], code: i32) -> String {
     let output = anemo(folder, arguments);
     assert_eq!(output.status.code(), Some(code), "{arguments:?}: {output:?}");

@@ -34,7 +34,7 @@ fn kings_law_is_found_in_twenty_speeds_with_and_without_still_gas() {
         let report = json(folder, &words(line));
         let found = report["king"]["exponent"].as_f64().unwrap();
         assert!((found / exponent - 1.0).abs() < 0.01, "{found} for {exponent}");
-        // Of speeds that are only known to 0.2 %.
+        // Speeds are only known to 0.2 %.
         let error = report["cross_validated_speeds"]["speed_rms_error"].as_f64().unwrap();
         assert!(error < 5e-3, "{error}");
         let made = std::fs::read_to_string(folder.join("hot-wire.toml")).unwrap();

@@ -75,7 +75,7 @@ pub struct CalibratedHead {
 
 /// A calibration and its cross-validation.
 pub enum CalibrationResult {
-    /// Of surfaces on a sphere, round a cylinder, of wires or of one element.
+    /// Result of surfaces on a sphere, round a cylinder, of wires or of one element.
     Surfaces {
         /// The calibration.
         calibration: Box<SurfaceCalibration>,
@@ -84,7 +84,7 @@ pub enum CalibrationResult {
         /// Errors in speeds that were left out.
         speeds: CrossValidation,
     },
-    /// Of a card.
+    /// Result of a card.
     Card {
         /// The calibration.
         calibration: Box<CardCalibration>,
@@ -266,7 +266,7 @@ impl<'a> Calibrator<'a> {
         best.ok_or(refused.unwrap_or(CalibrateError::NoMinimum))
     }
 
-    /// What the calibration adds to the uncertainty of a wind.
+    /// Uncertainty that the calibration adds to the uncertainty of a wind.
     fn uncertainty(
         &self,
         result: &CalibrationResult,
@@ -302,7 +302,7 @@ impl<'a> Calibrator<'a> {
     }
 }
 
-/// Whether King's law may be that of a head.
+/// Tells whether King's law may be that of a head.
 fn has_law(form: HeadForm) -> bool {
     matches!(form, HeadForm::Single | HeadForm::Wires)
 }

@@ -9,7 +9,7 @@ use serde::ser::{SerializeMap, Serializer};
 
 use super::steady_wind::{CalibrateError, SteadyWind};
 
-/// Which winds are left out together.
+/// Scheme of winds that are left out together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scheme {
     /// Winds from one region of directions.
@@ -21,7 +21,7 @@ pub enum Scheme {
 }
 
 impl Scheme {
-    /// As reports name it.
+    /// Name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Directions => "directions",
@@ -34,7 +34,7 @@ impl Scheme {
 /// Errors of winds that were left out of the calibration that estimates them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CrossValidation {
-    /// Which winds were left out together.
+    /// Scheme of winds that were left out together.
     pub scheme: Scheme,
     /// Number of folds.
     pub folds: usize,
@@ -63,7 +63,7 @@ impl CrossValidation {
             let stay: Vec<SteadyWind> = stay.into_iter().map(|(_, steady)| steady.clone()).collect();
             let calibration = match fit(&stay) {
                 Ok(calibration) => calibration,
-                // What the others determine only just, they do not without these.
+                // The others determine some numbers only just, and not without these.
                 Err(CalibrateError::Amplitudes(_) | CalibrateError::NoMinimum) => {
                     result.failed.extend(out.into_iter().map(|(_, steady)| steady.label.clone()));
                     continue;
@@ -146,9 +146,9 @@ impl fmt::Display for CrossValidation {
 /// Errors that an estimate states, by the noise of the readings alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StatedError {
-    /// Of the speed, as its share.
+    /// Uncertainty of the speed, as its share.
     pub speed_u: f64,
-    /// Of the direction about one axis, rad.
+    /// Uncertainty of the direction about one axis, rad.
     pub direction_u_rad: f64,
     /// χ².
     pub chi_square: f64,
@@ -161,7 +161,7 @@ pub struct StatedError {
 }
 
 impl StatedError {
-    /// Of an estimate from these conductances.
+    /// Uncertainty of an estimate from these conductances.
     pub fn of(estimate: &WindEstimate, measured: &[Option<MeasuredConductance>], is_extrapolated: bool) -> Self {
         Self {
             speed_u: f64::from(estimate.speed_error_m_s / estimate.speed_m_s),
@@ -244,7 +244,7 @@ pub struct ReynoldsRange {
 }
 
 impl ReynoldsRange {
-    /// Whether a Reynolds number lies in the range.
+    /// Tells whether a Reynolds number lies in the range.
     pub fn holds(&self, reynolds: f64) -> bool {
         // A wind on the border belongs to the upper range, but the fastest to the last.
         (self.reynolds[0]..self.reynolds[1]).contains(&reynolds)

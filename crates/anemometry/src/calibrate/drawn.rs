@@ -22,12 +22,12 @@ const USUAL_M: f64 = 0.01;
 /// Points of a sphere over which the means of its parts are taken.
 const POINTS: usize = 200_000;
 
-/// What is stated of a head beside its file.
+/// Statements about a head beside its file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrawnOptions {
     /// Names of its surfaces; none for all elements with a normal.
     pub elements: Vec<String>,
-    /// What its surfaces belong to; by default what their normals and its body say.
+    /// Form that its surfaces belong to; by default what their normals and its body say.
     pub form: Option<HeadForm>,
     /// Diameter of sphere, cylinder or wire, m.
     pub diameter_m: Option<f64>,
@@ -171,7 +171,7 @@ pub fn surfaces_of(
     })
 }
 
-/// What normals belong to, if it is clear.
+/// Form that normals belong to, if it is clear.
 fn form_of(normals: &[[f64; 3]], stated: Option<HeadForm>) -> Option<HeadForm> {
     match (normals, stated, plane_of(normals)) {
         ([_], ..) => Some(HeadForm::Single),
@@ -195,7 +195,7 @@ fn plane_of(normals: &[[f64; 3]]) -> Option<[f64; 3]> {
     normals.iter().all(|normal| dot(*normal, plane).abs() < LEAST_SINE).then_some(plane)
 }
 
-/// Whether normals are those of the faces of a cube.
+/// Tells whether normals are those of the faces of a cube.
 fn is_cube(normals: &[[f64; 3]]) -> bool {
     let along = |a: &[f64; 3], b: &[f64; 3]| dot(*a, *b).abs();
     let square = |cosine: f64| !(LEAST_SINE..1.0 - LEAST_SINE).contains(&cosine);

@@ -74,7 +74,7 @@ impl CalibrationReport {
         Self { result: calibrated.result, short, settle_s, noise, chi_square_most, written: None }
     }
 
-    /// What is wrong with it, a sentence each.
+    /// Warnings, a sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let CalibrationResult::Surfaces { calibration, directions, .. } = &self.result else { return Vec::new() };
         let mut sentences = calibration.warnings();

@@ -37,7 +37,7 @@ const SPEED: &str = "speed_m_s";
 const ANGLE: &str = "angle_deg";
 const PRESSURE: &str = "gas_pressure_pa";
 const SPECIES: &str = "gas_species";
-/// What is not known better of a power of a table, of itself.
+/// Relative uncertainty of a power of a table, at least.
 const POWER_ERROR: f64 = 1e-3;
 /// Share of the conductance in the slowest wind that is that of still gas, where no row is.
 const HALF: f64 = 0.5;
@@ -46,7 +46,7 @@ const MOST_OF_HIGH: f64 = 10.0;
 /// The first step of an observer does not depend on it.
 const ANY_PERIOD_S: f64 = 1e-2;
 
-/// Whether a file is a table of steady winds: it has winds, and no time.
+/// Tells whether a file is a table of steady winds: it has winds, and no time.
 ///
 /// # Errors
 /// If it cannot be read.

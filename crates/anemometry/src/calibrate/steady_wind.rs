@@ -107,7 +107,7 @@ pub enum CalibrateError {
         .0.len(), .0[0]
     )]
     Mirrored(Vec<String>),
-    /// What fits tells no direction.
+    /// The fit tells no direction.
     #[error(
         "directions that were left out of the fit come out {0:.0}° wrong, rms: check the frame of the winds, the normals \
          and the order of the surfaces"

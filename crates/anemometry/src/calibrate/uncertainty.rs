@@ -1,4 +1,4 @@
-//! What a calibration adds to the uncertainty of winds.
+//! Uncertainty that a calibration adds to the uncertainty of winds.
 //!
 //! At each of the [`KNOTS`] Reynolds numbers, from left-out winds around it: s and d where a region
 //! of directions was left out, κ and χ²_most where every n-th wind was. Without a whole region of
@@ -106,7 +106,7 @@ fn quantile(mut weighed: Vec<(f64, f64)>, share: f64) -> f64 {
 /// Winds with their weights for a knot.
 struct WeighedWinds<'a> {
     winds: Vec<(f64, &'a ComparedWind)>,
-    /// How many winds of equal weight say as much.
+    /// Number of winds of equal weight that say as much.
     count: f64,
 }
 

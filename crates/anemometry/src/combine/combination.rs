@@ -1,4 +1,4 @@
-//! How several instruments answer to winds from everywhere, fitted to known winds.
+//! Answers of several instruments to winds from everywhere, fitted to known winds.
 
 use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen, Vector3};
 use recording::text;
@@ -12,7 +12,7 @@ use crate::vector::{dot, length, unit};
 
 /// A component whose size is a smaller share of the greatest is none.
 const NO_COMPONENT: f64 = 1e-3;
-/// What is never known better of a component, of the speed.
+/// Least uncertainty of a component, of the speed.
 const LEAST_SHARE: f64 = 1e-3;
 /// Residuals count for a direction by e^(κ (cos − 1)): those within 25°.
 const CONCENTRATION: f64 = 10.0;
@@ -32,7 +32,7 @@ pub struct Combination {
     pub made_from: String,
     /// Where the winds are from.
     pub space: WindSpace,
-    /// Of the functions of the direction.
+    /// Degree of the functions of the direction.
     pub degree: usize,
     /// Least and greatest speed of the winds, m/s.
     pub speeds_m_s: [f64; 2],
@@ -40,19 +40,19 @@ pub struct Combination {
     pub instruments: Vec<InstrumentAnswer>,
     /// 99th percentile of χ² in winds that were left out, over that of chance; 1 at least.
     pub chi_square_ratio: f64,
-    /// What these leave of known winds that were left out.
+    /// Residuals of known winds that were left out.
     pub left: Vec<LeftOver>,
 }
 
-/// What an instrument answers.
+/// Answers of an instrument.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct InstrumentAnswer {
     /// Name of its file, without the ending.
     pub name: String,
-    /// What it is, as its file says; empty if it does not.
+    /// Description of it, as its file says; empty if it does not.
     pub what: String,
-    /// What it knows.
+    /// Kind of its knowledge.
     pub kind: InstrumentKind,
     /// Directions in its frame in which it has estimates, one to three.
     pub axes: Vec<[f64; 3]>,
@@ -60,7 +60,7 @@ pub struct InstrumentAnswer {
     pub coefficients: Vec<Vec<f64>>,
 }
 
-/// What is left of one wind.
+/// Residual of one wind.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LeftOver {
@@ -141,7 +141,7 @@ impl Combination {
         })
     }
 
-    /// What a file of it has that no combination can have: a sentence.
+    /// Content of its file that no combination can have, as a sentence.
     pub fn problem(&self) -> Option<String> {
         let components = self.components();
         let functions = match self.degree {
@@ -189,8 +189,8 @@ impl Combination {
         self.instruments.iter().flat_map(|of| &of.coefficients).map(sum).collect()
     }
 
-    /// What answers leave of winds from about there, of the speed: by component its variance, and
-    /// that of rows beyond what is stated.
+    /// Variances that answers leave of winds from about there, of the speed: by component its
+    /// variance, and that of rows beyond what is stated.
     pub fn variances(&self, towards: [f64; 3]) -> Vec<[f64; 2]> {
         let (mut sums, mut weights) = (vec![[0.0; 2]; self.components()], 0.0);
         for of in &self.left {

@@ -50,7 +50,7 @@ pub struct CombinedWind {
     pub wind_m_s: [f64; 3],
     /// Standard uncertainty of the speed, m/s.
     pub speed_u_m_s: f64,
-    /// Of the direction, in the worse of its two components, rad.
+    /// Uncertainty of the direction, in the worse of its two components, rad.
     pub direction_u_rad: f64,
     /// χ² of the components.
     pub chi_square: f64,
@@ -69,7 +69,7 @@ pub struct CombinedWind {
 }
 
 impl CombinedWind {
-    /// Whether its uncertainties do not say all.
+    /// Tells whether its uncertainties do not say all.
     pub const fn is_flagged(&self) -> bool {
         self.is_ambiguous || self.is_inconsistent || self.has_no_direction || self.is_extrapolated
     }
@@ -208,7 +208,7 @@ impl<'a> Combiner<'a> {
         read
     }
 
-    /// What is read in a wind, by component: |v| m(v/|v|).
+    /// Readings in a wind, by component: |v| m(v/|v|).
     fn answers(&self, read: &[ReadComponent], wind: Vector3<f64>) -> Vec<f64> {
         let speed_m_s = wind.norm();
         let shares = self.combination.answers(self.combination.space.part((wind / speed_m_s).into()));
@@ -226,7 +226,7 @@ impl<'a> Combiner<'a> {
         })
     }
 
-    /// What is read beyond the answers to a wind.
+    /// Readings beyond the answers to a wind.
     fn off(&self, read: &[ReadComponent], wind: Vector3<f64>) -> DVector<f64> {
         let off = read.iter().zip(self.answers(read, wind)).map(|(of, answer)| of.value - answer);
         DVector::from_iterator(read.len(), off)
@@ -286,7 +286,7 @@ mod tests {
     use super::*;
     use crate::vector::{across, length, unit};
 
-    /// What stands in the wind: readings of all instruments.
+    /// Instruments in the wind: readings of all of them.
     type Rig = fn([f64; 3]) -> Vec<InstrumentReading>;
 
     fn reading(wind_m_s: [f64; 3]) -> InstrumentReading {

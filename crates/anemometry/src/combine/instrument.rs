@@ -6,6 +6,7 @@
 use std::f64::consts::PI;
 use std::path::PathBuf;
 
+use anyhow::{Context, bail};
 use nalgebra::{Matrix3, Vector3};
 use recording::text::suggest;
 use recording::{Recording, RecordingError, TEMPERATURE, TIME, column_name};
@@ -13,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::vector::length;
 
-/// What an instrument can say of a wind.
+/// Knowledge that an instrument has of a wind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum InstrumentKind {
@@ -26,7 +27,7 @@ pub enum InstrumentKind {
 }
 
 impl InstrumentKind {
-    /// What components are divided by to be shares in a wind of this speed, m/s.
+    /// Divisor of components to be shares in a wind of this speed, m/s.
     pub fn scale(self, speed_m_s: f64) -> f64 {
         if self == Self::Direction { 1.0 } else { speed_m_s }
     }
@@ -41,15 +42,15 @@ impl InstrumentKind {
     }
 }
 
-/// What an instrument says at a time.
+/// Reading of an instrument at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InstrumentReading {
     /// Where the gas goes to, in the instrument's frame, m/s; of one that only knows the speed
     /// (v, 0, 0), of one that only knows the direction a unit vector.
     pub wind_m_s: [f64; 3],
-    /// As it states it, (m/s)²; of a direction without unit.
+    /// Covariance as it states it, (m/s)²; of a direction without unit.
     pub covariance: Matrix3<f64>,
-    /// What it knows.
+    /// Kind of its knowledge.
     pub kind: InstrumentKind,
 }
 
@@ -82,7 +83,7 @@ const LEAST_NOISES: f64 = 5.0;
 /// Median length of a vector whose two components have a standard deviation of 1.
 const MEDIAN_LENGTH: f64 = 1.1774;
 
-/// Which elements of which recording.
+/// Elements of a recording.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Vane {
     /// The recording.
@@ -91,31 +92,19 @@ pub struct Vane {
     pub junctions: Vec<String>,
 }
 
-/// Why a text names no vane.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum VaneError {
-    /// It has another form.
-    #[error("is no FILE=NAME,NAME,…: a recording and its junctions in their order around the core")]
-    Form,
-    /// It names so many.
-    #[error("names {0} of its junctions, and it takes three to know a direction")]
-    TooFew(usize),
-    /// It names one twice.
-    #[error("names `{0}` twice")]
-    Twice(String),
-}
-
 impl std::str::FromStr for Vane {
-    type Err = VaneError;
+    type Err = anyhow::Error;
 
-    fn from_str(text: &str) -> Result<Self, VaneError> {
-        let (recording, junctions) = text.rsplit_once('=').ok_or(VaneError::Form)?;
+    fn from_str(text: &str) -> anyhow::Result<Self> {
+        let (recording, junctions) = text
+            .rsplit_once('=')
+            .context("is no FILE=NAME,NAME,…: a recording and its junctions in their order around the core")?;
         let junctions: Vec<String> = junctions.split(',').map(|name| name.trim().to_owned()).collect();
         if junctions.len() < 3 {
-            return Err(VaneError::TooFew(junctions.len()));
+            bail!("names {} of its junctions, and it takes three to know a direction", junctions.len());
         }
         if let Some(twice) = (1..junctions.len()).find(|n| junctions[..*n].contains(&junctions[*n])) {
-            return Err(VaneError::Twice(junctions[twice].clone()));
+            bail!("names `{}` twice", junctions[twice]);
         }
         Ok(Self { recording: PathBuf::from(recording), junctions })
     }

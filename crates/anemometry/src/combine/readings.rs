@@ -32,8 +32,8 @@ const OTHER_LABELS: f64 = 0.1;
 pub struct CombinedReadings {
     /// Names of the instruments: of their files, without the ending.
     pub names: Vec<String>,
-    /// What each of them is: elements and head, or what its file combines; empty if it does not
-    /// say.
+    /// Description of each of them: elements and head, or what its file combines; empty if it does
+    /// not say.
     pub whats: Vec<String>,
     /// s
     pub time_s: Vec<f64>,
@@ -63,7 +63,7 @@ impl KnownWind {
     }
 }
 
-/// Which rows count.
+/// Rows that count.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RowsThatCount {
     /// From this time on, s.
@@ -150,7 +150,7 @@ impl CombinedReadings {
         self.stretches(which).into_iter().filter_map(known).collect()
     }
 
-    /// What each instrument knows; that of its first reading.
+    /// Kind of each instrument's knowledge; that of its first reading.
     pub fn kinds(&self) -> Vec<Option<InstrumentKind>> {
         let kind = |i: usize| self.readings.iter().find_map(|of| of[i]).map(|of| of.kind);
         (0..self.names.len()).map(kind).collect()
@@ -214,7 +214,7 @@ impl InstrumentFile {
             let (x, y, z) = (x?, y?, z?);
             Ok((0..table.len()).map(|row| [x[row], y[row], z[row]]).collect())
         };
-        // What a table does not state is 0, and shows in what the fit leaves.
+        // A value that a table does not state is 0, and shows in the residuals of the fit.
         let stated = |name: &str| match table.has(name) {
             true => table.numbers(name).map(|of| of.to_vec()),
             false => Ok(vec![0.0; table.len()]),
@@ -266,7 +266,7 @@ impl InstrumentFile {
         near.min_by(|a, b| off_s(a).total_cmp(&off_s(b))).filter(|row| off_s(row) <= within_s)
     }
 
-    /// What it says at the times of another one.
+    /// Readings at the times of another one.
     fn at(&self, other: &Self, within_s: f64) -> Vec<Option<InstrumentReading>> {
         other.time_s.iter().map(|time_s| self.readings[self.row_at(*time_s, within_s)?]).collect()
     }

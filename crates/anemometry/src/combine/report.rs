@@ -28,37 +28,37 @@ const SPEED_RATIO: f64 = 1.5;
 pub struct CombinedErrors {
     /// Winds or estimates that were compared.
     pub compared: usize,
-    /// Of these without an estimate.
+    /// Number of these without an estimate.
     pub failed: usize,
-    /// Of these with another direction that fits about as well.
+    /// Number of these with another direction that fits about as well.
     pub ambiguous: usize,
     /// Share of errors within twice their standard uncertainty, of speeds; of all estimates that
     /// are not flagged.
     pub speed_within_2u: Option<f64>,
     /// The same of directions.
     pub direction_within_2u: Option<f64>,
-    /// Of direction, root mean square, °; none without an estimate, as all that follow.
+    /// Error of direction, root mean square, °; none without an estimate, as all that follow.
     pub direction_rms_error_deg: Option<f64>,
-    /// Of direction, greatest, °.
+    /// Error of direction, greatest, °.
     pub direction_worst_error_deg: Option<f64>,
-    /// Of speed, root mean square, relative.
+    /// Error of speed, root mean square, relative.
     pub speed_rms_error: Option<f64>,
-    /// Of speed, mean, relative.
+    /// Error of speed, mean, relative.
     pub speed_bias: Option<f64>,
-    /// Of speed, greatest, relative.
+    /// Error of speed, greatest, relative.
     pub speed_worst_error: Option<f64>,
 }
 
-/// What is known of an instrument.
+/// Report on an instrument.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct InstrumentReport {
     /// Its name.
     pub name: String,
     /// Components of the wind that it sees.
     pub components: usize,
-    /// What it knows.
+    /// Kind of its knowledge.
     pub kind: InstrumentKind,
-    /// What its answers leave of winds that were left out, of the speed, rms.
+    /// Residuals of winds that were left out, of the speed, rms.
     pub left_of_speed: f64,
 }
 
@@ -67,19 +67,19 @@ pub struct InstrumentReport {
 pub struct CombinationReport {
     /// Known winds.
     pub winds: usize,
-    /// Of these with estimates of all instruments.
+    /// Number of these with estimates of all instruments.
     pub fitted: usize,
     /// Their directions.
     pub directions: usize,
     /// Where they are from.
     pub space: WindSpace,
-    /// Of the functions of the direction.
+    /// Degree of the functions of the direction.
     pub degree: usize,
     /// One an instrument.
     pub instruments: Vec<InstrumentReport>,
     /// Errors in winds that were left out.
     pub cross_validated: CombinedErrors,
-    /// What makes it of little use.
+    /// Reasons why it is of little use.
     pub warnings: Vec<String>,
     /// The file that was written.
     #[serde(skip)]
@@ -89,11 +89,11 @@ pub struct CombinationReport {
 /// Estimates.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CombinedReport {
-    /// Of the combination, in words.
+    /// Origin of the combination, in words.
     pub made_from: String,
     /// Rows that count.
     pub rows: usize,
-    /// Of these without an estimate, as too few instruments have one.
+    /// Number of these without an estimate, as too few instruments have one.
     pub failed: usize,
     /// Estimates with another direction that fits about as well.
     pub ambiguous: usize,
@@ -113,7 +113,7 @@ pub struct CombinedReport {
 }
 
 impl CombinedErrors {
-    /// Of estimates beside true winds, m/s.
+    /// Errors of estimates beside true winds, m/s.
     pub fn of(pairs: &[(Option<CombinedWind>, [f64; 3])]) -> Self {
         let (mut direction_deg, mut speed) = (ErrorSum::default(), ErrorSum::default());
         let (mut good, mut within) = (0, [0, 0]);
@@ -233,7 +233,7 @@ fn instruments(combination: &Combination) -> Vec<InstrumentReport> {
 }
 
 impl CombinedReport {
-    /// Of the estimates of all rows.
+    /// Report of the estimates of all rows.
     pub fn new(
         combination: &Combination,
         readings: &CombinedReadings,

@@ -37,7 +37,7 @@ const FLAT: f64 = 0.035;
 pub enum WindSpace {
     /// All of them.
     Everywhere,
-    /// Those across a normal, a unit vector.
+    /// Winds across a normal, a unit vector.
     Across([f64; 3]),
 }
 
@@ -47,7 +47,7 @@ impl WindSpace {
         let moments: Matrix3<f64> = towards.iter().map(|of| Vector3::from(*of)).map(|of| of * of.transpose()).sum();
         let eigen = SymmetricEigen::new(moments);
         let normal = eigen.eigenvectors.column(eigen.eigenvalues.imin());
-        // Of the two normals of a plane the one whose greatest component is positive.
+        // The normal of a plane whose greatest component is positive is taken.
         let normal: [f64; 3] = (normal * normal[normal.iamax()].signum()).into();
         if towards.iter().all(|of| dot(*of, normal).abs() < FLAT) { Self::Across(normal) } else { Self::Everywhere }
     }
@@ -62,7 +62,7 @@ impl WindSpace {
         if matches!(self, Self::Everywhere) { 8 } else { 24 }
     }
 
-    /// How many functions there are up to a degree.
+    /// Number of functions up to a degree.
     pub const fn count(self, degree: usize) -> usize {
         if matches!(self, Self::Everywhere) { (degree + 1) * (degree + 1) } else { 2 * degree + 1 }
     }
@@ -170,14 +170,14 @@ pub struct KnownDirections {
     pub space: WindSpace,
     /// By wind: which of the directions.
     pub groups: Vec<usize>,
-    /// How many there are.
+    /// Number of them.
     pub count: usize,
     /// The widest way from a direction to the nearest of them, °, and from which.
     pub widest: (f64, [f64; 3]),
 }
 
 impl KnownDirections {
-    /// Of unit vectors.
+    /// Shares of unit vectors.
     pub fn new(towards: Vec<[f64; 3]>) -> Self {
         let space = WindSpace::of(&towards);
         let mut firsts: Vec<[f64; 3]> = Vec::new();
@@ -195,12 +195,12 @@ impl KnownDirections {
         Self { towards, space, groups, count: firsts.len(), widest }
     }
 
-    /// How many are needed.
+    /// Least number.
     pub fn least(&self) -> usize {
         (DIRECTIONS_A_FUNCTION * self.space.count(1) as f64).ceil() as usize
     }
 
-    /// Whether they can determine functions up to a degree.
+    /// Tells whether they can determine functions up to a degree.
     pub fn are_enough(&self, degree: usize) -> bool {
         DIRECTIONS_A_FUNCTION * self.space.count(degree) as f64 <= self.count as f64
             && (degree == 1 || degree as f64 * self.widest.0 <= DEGREE_BY_WAY_DEG)
@@ -213,13 +213,13 @@ pub struct DirectionFit {
     pub degree: usize,
     /// Function by component.
     pub coefficients: DMatrix<f64>,
-    /// What is left of each wind where its direction is left out, by component.
+    /// Residual of each wind where its direction is left out, by component.
     pub left: DMatrix<f64>,
 }
 
 impl DirectionFit {
-    /// Of winds in these directions, by component of their shares; none where they do not
-    /// determine the functions, or not without one direction.
+    /// Covariance of winds in these directions, by component of their shares; none where they do
+    /// not determine the functions, or not without one direction.
     pub fn of(directions: &KnownDirections, shares: &DMatrix<f64>, degree: usize) -> Option<Self> {
         let KnownDirections { towards, space, groups, .. } = directions;
         let rows: Vec<Vec<f64>> = towards.iter().map(|of| space.functions(*of, degree)).collect();

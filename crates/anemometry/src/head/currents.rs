@@ -36,8 +36,8 @@ impl Head {
     }
 }
 
-/// What was measured; where an earlier measurement is in the file already, that of both, as the
-/// number beside it is.
+/// Comment on a measurement; where an earlier measurement is in the file already, that of both, as
+/// the number beside it is.
 fn comment(error: &CurrentRatioError, before_ppm: f64) -> String {
     let CurrentRatioError { error_ppm, error_u_ppm, .. } = error;
     let measured = |ppm: f64| {
@@ -64,7 +64,8 @@ fn rounded(current_a: f64) -> f64 {
 fn with_keys(text: &str, place: usize, keys: &[(&str, f64); 2], comment: &str) -> String {
     let mut text = text.to_owned();
     for (key, _) in keys {
-        // What is there goes with its line; a table within one line keeps it, with another number.
+        // A value that is there goes with its line; a table within one line keeps it, with another
+        // number.
         if let Some((start, end)) = span(&text, place, key)
             && text[start..].starts_with(key)
             && line_start(&text, start) == start

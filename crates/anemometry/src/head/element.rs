@@ -47,8 +47,8 @@ pub struct HeadElement {
     /// Layers between it and the surface of the sensor, each of some capacity and a resistance
     /// towards the next; 0 where it is the surface.
     pub layers: usize,
-    /// Whether it is never driven: a thermocouple, or the reading that stands for one. It has a
-    /// `normal` only to be simulated.
+    /// It is never driven: a thermocouple, or the reading that stands for one. It has a `normal`
+    /// only to be simulated.
     pub only_senses: bool,
     /// Resistor and currents in f64, for the simulation.
     pub nominal: NominalElement,
@@ -62,12 +62,12 @@ impl HeadElement {
         self.normal.filter(|_| !self.only_senses)
     }
 
-    /// Whether a head may drive it: it neither only senses nor measures the gas.
+    /// Tells whether a head may drive it: it neither only senses nor measures the gas.
     pub fn may_be_driven(&self) -> bool {
         !self.only_senses && self.name != recording::REFERENCE
     }
 
-    /// Whether it is such a surface.
+    /// Tells whether it is such a surface.
     pub fn is_surface(&self) -> bool {
         self.surface_normal().is_some()
     }
@@ -135,7 +135,7 @@ impl ElementKeys<'_> {
         self.get("only_senses", |table| table.only_senses).is_ok_and(|(only, _)| only)
     }
 
-    /// What the element bears, if it or its kind says so.
+    /// Energy that the element bears, if it or its kind says so.
     fn energy(&self) -> Result<Option<EnergyLimit>, FileError> {
         let power_w = || self.number("sustained_power_w", |table| table.sustained_power_w);
         if self.get("energy_j", |table| table.energy_j.or(table.sustained_power_w)).is_err() {
@@ -198,7 +198,7 @@ pub(super) fn element(
     let current_high_a = keys.number("current_high_a", |table| table.current_high_a)?;
     let nominal_high_a = match keys.get("current_high_nominal_a", |table| table.current_high_nominal_a) {
         Ok((nominal_a, key)) => source.positive(&key, nominal_a, "A")?,
-        // What was not measured is what it was made for.
+        // A value that was not measured is the one that it was made for.
         Err(_) => current_high_a,
     };
     let limits = Limits {

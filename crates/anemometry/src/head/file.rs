@@ -20,9 +20,6 @@ use super::calibration::checked::Calibration;
 use super::calibration::table::CalibrationTable;
 use super::element::{ElementTable, HeadAdc, HeadElement, element};
 
-use crate::gas::GasError;
-use crate::network::parameters::NetworkError;
-
 /// A checked head.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Head {
@@ -32,12 +29,13 @@ pub struct Head {
     pub name: String,
     /// Name of the project's sensor that simulates it.
     pub sensor: Option<String>,
-    /// What simulates it in place of such a sensor; without either, only a real sensor can be run.
+    /// Body that simulates it in place of such a sensor; without either, only a real sensor can be
+    /// run.
     pub body: Option<Body>,
     /// Compass direction in which its x axis points where it is mounted, degrees clockwise from
     /// north.
     pub heading_deg: Option<f64>,
-    /// What points up in its frame where it is mounted; by default the z axis.
+    /// Direction that points up in its frame where it is mounted; by default the z axis.
     pub up: Option<[f64; 3]>,
     /// Voltage of one code, V.
     pub volt_per_code: f64,
@@ -211,7 +209,7 @@ pub(super) struct AdcTable {
 pub struct GuardTable {
     /// Fresh readings that may be missing in a row.
     pub missing_limit_ticks: u32,
-    /// How long a regulated element may request the high level only, s.
+    /// Time for which a regulated element may request the high level only, s.
     pub unreachable_limit_s: f64,
     /// Equal readings in a row that trip; 0: never.
     #[serde(default)]
@@ -260,21 +258,6 @@ impl Head {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{0}")]
 pub struct CurrentsError(pub(super) String);
-
-/// A calibration that no anemometer can be set up with.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum WindSetupError {
-    /// The network has no observer of that bandwidth.
-    #[error(transparent)]
-    Network(#[from] NetworkError),
-    /// The gas is not known at the temperatures.
-    #[error(transparent)]
-    Gas(#[from] GasError),
-    /// The output interval is no number of ticks that the board counts: what it is, and of which
-    /// ticks.
-    #[error("a wind estimate every {0}: between one and {most} of them", most = u16::MAX)]
-    Interval(String),
-}
 
 #[cfg(test)]
 mod tests {

@@ -38,7 +38,7 @@ const SIGNIFICANT: f64 = 2.0;
 /// Least share of a flux that must be resolved.
 pub const LEAST_RESOLVED: f64 = 0.9;
 
-/// What fluxes need besides the wind.
+/// Options that fluxes need besides the wind.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EddyOptions {
     /// Height above the ground, m.

@@ -25,7 +25,7 @@ const SCALES: std::ops::Range<f64> = 0.7..1.4;
 /// Standard uncertainties beyond which an offset is one.
 const SIGNIFICANT: f64 = 2.0;
 
-/// How a head compares with a reference anemometer.
+/// Comparison of a head with a reference anemometer.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ReferenceCheck {
     /// Intervals with both.
@@ -40,7 +40,7 @@ pub struct ReferenceCheck {
     pub scale_with_offset: Sampled,
     /// m/s.
     pub offset_m_s: Sampled,
-    /// What the scale leaves, rms, m/s.
+    /// Residual of the scale, rms, m/s.
     pub left_m_s: f64,
     /// Head's direction less the reference's, °, where both have one.
     pub direction_deg: Option<Sampled>,

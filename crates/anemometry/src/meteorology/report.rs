@@ -26,8 +26,8 @@ pub struct MeanInterval {
     pub end_s: f64,
     /// Share of the estimates that count.
     pub valid_share: f64,
-    /// Of an interval without statistics, the flag for which most do not; none where more rows
-    /// lack.
+    /// Reason. Of an interval without statistics, the flag for which most do not; none where more
+    /// rows lack.
     pub left_out_by: Option<&'static str>,
     /// None where too few estimates count.
     pub statistics: Option<WindStatistics>,
@@ -35,7 +35,7 @@ pub struct MeanInterval {
     pub truth: Option<WindStatistics>,
 }
 
-/// How far the statistics are from those of the true wind.
+/// Distance of the statistics from those of the true wind.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MeteorologyComparison {
     /// Intervals with both.
@@ -61,9 +61,9 @@ pub struct MeteorologyReport {
     pub title: String,
     /// Length of an interval, s.
     pub interval_s: f64,
-    /// Of the wind, Hz, where it is known.
+    /// Bandwidth of the wind, Hz, where it is known.
     pub bandwidth_hz: Option<f64>,
-    /// Whether directions are those of the compass.
+    /// Directions are those of the compass.
     pub has_heading: bool,
     /// Interval by interval.
     pub intervals: Vec<MeanInterval>,
@@ -294,7 +294,7 @@ pub struct AveragingOptions {
     pub interval_s: f64,
     /// Estimates before do not count, and the first interval begins there, s.
     pub from_s: f64,
-    /// How the head is mounted; directions count from its x axis where that is not known.
+    /// Mounting of the head; directions count from its x axis where that is not known.
     pub mounting: Option<HeadMounting>,
     /// Height above the ground, m, for fluxes.
     pub height_m: Option<f64>,

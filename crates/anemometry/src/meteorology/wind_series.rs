@@ -163,12 +163,12 @@ const DISQUALIFYING: [QualityFlags; 7] = [
     QualityFlags::INCONSISTENT,
 ];
 
-/// Whether the speed of an estimate counts.
+/// Tells whether the speed of an estimate counts.
 pub fn speed_counts(flags: QualityFlags) -> bool {
     !DISQUALIFYING.iter().any(|flag| flags.has(*flag))
 }
 
-/// Of estimates, the name of the flag for which most of them do not count; none if all do.
+/// Name of the flag for which most estimates which most of them do not count; none if all do.
 pub fn most_left_out(flags: impl Iterator<Item = QualityFlags>) -> Option<&'static str> {
     let mut counts = [0_u64; DISQUALIFYING.len()];
     for of in flags {
@@ -178,12 +178,12 @@ pub fn most_left_out(flags: impl Iterator<Item = QualityFlags>) -> Option<&'stat
     QualityFlags::NAMES.iter().find(|(named, _)| *named == flag).map(|(_, name)| *name)
 }
 
-/// Whether its vector counts, too: a head of one axis does not determine it.
+/// Tells whether its vector counts, too: a head of one axis does not determine it.
 pub fn vector_counts(flags: QualityFlags) -> bool {
     speed_counts(flags) && !flags.has(QualityFlags::UNDETERMINED)
 }
 
-/// Whether its direction counts by itself.
+/// Tells whether its direction counts by itself.
 pub fn direction_counts(flags: QualityFlags) -> bool {
     vector_counts(flags) && !flags.has(QualityFlags::NO_DIRECTION)
 }

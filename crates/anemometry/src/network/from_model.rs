@@ -10,8 +10,8 @@
 //! Elements with an outward normal have a surface and so a convective loss; the others are only
 //! held on their temperatures. An element that the model does not have is not in the network.
 //!
-//! What lies between an element and its surface: the first sections of the ladder of its
-//! self-heating, and the share that they let through.
+//! Layers between an element and its surface: the first sections of the ladder of its self-heating,
+//! and the share that they let through.
 //!
 //! ```text
 //! element ─┬─ R_1 ─┬─ R_2 ─ surface …        T_0 = 1, I_0 = 0
@@ -32,8 +32,8 @@
 //! more than noise has a ladder whose first sections are no layers. A pair of different elements
 //! has effective rates, which are no modes where they are fast; see [`cross_share`].
 //!
-//! What an identified network shows if the ratio of an element's two currents is off: its heat is
-//! not what it seems, since readings jump with the level.
+//! Signs in an identified network if the ratio of an element's two currents is off: its heat is not
+//! what it seems, since readings jump with the level.
 //!
 //! | shown | by |
 //! |---|---|
@@ -199,10 +199,10 @@ pub fn share(sections: &[LadderSection], rate_rad_s: f64) -> f64 {
 
 /// The same for a relaxation of a pair of different elements, whose rate is an effective one.
 ///
-/// As long as no node before the surface has turned its sign (by Sturm's theorem: below all rates
-/// of the layers by themselves) the polynomial is a share between 0 and 1. Beyond, it would grow
-/// without bounds, whereas of heat at the surface such a fast relaxation, in which the element's
-/// own layers would have to take part, passes next to nothing on: it is held at 0.
+/// Share for as long as no node before the surface has turned its sign (by Sturm's theorem: below
+/// all rates of the layers by themselves) the polynomial is a share between 0 and 1. Beyond, it
+/// would grow without bounds, whereas of heat at the surface such a fast relaxation, in which the
+/// element's own layers would have to take part, passes next to nothing on: it is held at 0.
 pub fn cross_share(sections: &[LadderSection], rate_rad_s: f64) -> f64 {
     let (least, last) = walk(sections, rate_rad_s);
     if least > 0.0 { last } else { 0.0 }
@@ -243,7 +243,7 @@ const WITHIN_TICK_RAD: f64 = 3.0;
 /// Heat within a tick that is suspicious, as an error of the ratio, ppm.
 const ERROR_PPM: f64 = 100.0;
 
-/// What to do, behind what was found.
+/// Advice, behind what was found.
 const ADVICE: &str = "the ratio of its currents may be off: `anemo self-test EXPERIMENT --currents` measures it";
 
 /// The sentence on residuals in an element's own record, K rms, if they are suspicious.
@@ -285,14 +285,14 @@ fn within_tick_ppm(own: &SelfHeatingParameters, of: &HeadElement, sample_period_
     1e6 * k_per_w * power_w * of.ohm_per_k(own.rest_c) / ohm
 }
 
-/// Of a layer whose resistance is not that of the others of its kind.
+/// Sentence of a layer whose resistance is not that of the others of its kind.
 fn unlike_its_kind(own: &SelfHeatingParameters, network: &QuiescentNetwork, head: &Head) -> Option<String> {
     let kind = |of: &SelfHeatingParameters| head.elements[of.element].kind.as_deref();
     let alike: Vec<_> = network.own.iter().filter(|of| kind(of).is_some() && kind(of) == kind(own)).collect();
     own.layers.iter().enumerate().find_map(|(k, layer)| {
         let mut all: Vec<f64> =
             alike.iter().filter_map(|of| of.layers.get(k)).map(|of| of.resistance_k_per_w).collect();
-        // Of two, neither is the usual one.
+        // Neither of two is the usual one.
         if all.len() < 3 {
             return None;
         }

@@ -102,7 +102,7 @@ fn sets(plant: &Plant<'_>, steady: &KalmanFilter, delay_s: f64) -> Option<Vec<Fa
             p = &transition * kept * transition.transpose() + &noise;
             (tick, count) = (tick + 1, count + 1);
         }
-        // As the board counts them.
+        // The board counts them so.
         let ticks = (until_s as f32 / plant.sample_period_s as f32) as u32;
         if count == 0 || ticks <= last_ticks {
             continue;

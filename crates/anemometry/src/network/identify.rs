@@ -33,7 +33,7 @@ use rayon::prelude::*;
 use recording::{POWER, RecordingError, TEMPERATURE};
 
 use super::from_model::residuals;
-use super::parameters::{NetworkError, NetworkIdentifyError};
+use super::parameters::NetworkError;
 use super::record::QuiescentRecord;
 
 /// Rates of the mesh from which free ones start.
@@ -44,9 +44,9 @@ const KNOWN: f64 = 0.5;
 /// Greatest numbers of free rates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PolesPerPair {
-    /// Of self-heating.
+    /// Number of poles of self-heating.
     pub own: usize,
-    /// Of cross-heating.
+    /// Number of poles of cross-heating.
     pub cross: usize,
 }
 
@@ -79,7 +79,7 @@ pub fn identify(
     read: &ReadRecord<'_>,
     poles: PolesPerPair,
     progress: &mut Progress<'_>,
-) -> Result<Model, NetworkIdentifyError> {
+) -> anyhow::Result<Model> {
     let first = read(0)?;
     all_driven_once(records, read, &first)?;
     let mut rounds: Vec<IdentificationRound> = Vec::new();
@@ -102,7 +102,7 @@ pub fn identify(
 }
 
 /// Checks all records before anything is computed.
-fn all_driven_once(records: usize, read: &ReadRecord<'_>, first: &QuiescentRecord) -> Result<(), NetworkIdentifyError> {
+fn all_driven_once(records: usize, read: &ReadRecord<'_>, first: &QuiescentRecord) -> anyhow::Result<()> {
     let mut driven: Vec<(String, String)> = Vec::new();
     for n in 0..records {
         let record = read(n)?;
@@ -134,7 +134,7 @@ fn options() -> IdentifyOptions {
 }
 
 /// A mesh for all temperatures at once, and free rates from it.
-fn first_round(record: &QuiescentRecord, poles: PolesPerPair) -> Result<IdentificationRound, NetworkIdentifyError> {
+fn first_round(record: &QuiescentRecord, poles: PolesPerPair) -> anyhow::Result<IdentificationRound> {
     let mut table = table(record, &(0..record.elements.len()).collect::<Vec<_>>(), &record.temperature_c)?;
     let rows = record.power_w[record.driven].len() as f64;
     let (first, last) = mesh::thesis_edges_rad_s(rows * record.sample_period_s, record.sample_period_s, 1);
@@ -157,7 +157,7 @@ fn second_round(
     own: &IdentificationRound,
     rounds: &[IdentificationRound],
     poles: PolesPerPair,
-) -> Result<IdentificationRound, NetworkIdentifyError> {
+) -> anyhow::Result<IdentificationRound> {
     let models = side_by_side(record.elements.len(), |output| {
         let mut alone_c = record.temperature_c[output].clone();
         for round in rounds.iter().filter(|round| round.driven != record.driven_name()) {
@@ -176,8 +176,8 @@ fn second_round(
 /// A model of every output, on all processors; of several errors the first by output.
 fn side_by_side(
     outputs: usize,
-    model: impl Fn(usize) -> Result<Model, NetworkIdentifyError> + Sync + Send,
-) -> Result<Vec<Model>, NetworkIdentifyError> {
+    model: impl Fn(usize) -> anyhow::Result<Model> + Sync + Send,
+) -> anyhow::Result<Vec<Model>> {
     let found: Vec<_> = (0..outputs).into_par_iter().map(model).collect();
     found.into_iter().collect()
 }
@@ -202,7 +202,7 @@ fn free(
     temperature_c: &[f64],
     start: &Model,
     poles: PolesPerPair,
-) -> Result<Model, NetworkIdentifyError> {
+) -> anyhow::Result<Model> {
     let is_own = output == record.driven;
     let most = if is_own { poles.own } else { poles.cross };
     let mut table = table(record, &[output], &[temperature_c.to_vec()])?;
@@ -440,7 +440,7 @@ mod tests {
         let apart = model(0.0);
         assert_eq!((r(&apart, "film1", "film2"), r(&apart, "film2", "film1")), (0.0, 0.0));
         assert!((r(&apart, "film1", "film1") / 100.0 - 1.0).abs() < 1e-3);
-        // What is far below a reading's noise, but there, is found.
+        // An error far below a reading's noise is found.
         let near = model(0.05);
         assert!((r(&near, "film1", "film2") / 0.05 - 1.0).abs() < 0.1, "{}", r(&near, "film1", "film2"));
     }

@@ -116,7 +116,7 @@ impl CrossHeatingParameters {
     }
 }
 
-/// As many values as the board carries; `with` stands for those that are not there.
+/// Pads to as many values as the board carries; `with` stands for those that are not there.
 pub(super) fn padded<const K: usize>(values: &[f64], with: f32) -> [f32; K] {
     std::array::from_fn(|k| values.get(k).map_or(with, |&value| value as f32))
 }

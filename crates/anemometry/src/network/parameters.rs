@@ -14,7 +14,6 @@
 //! | q | | convective power; of an element without a surface the heat that it loses on ways that the identification did not have: to a support or by a stem that are warmer, colder or windier than they were | W |
 
 use diffusive::model::export::cauer::LadderSection;
-use recording::RecordingError;
 use serde::{Deserialize, Serialize};
 
 use crate::head::element::NominalElement;
@@ -31,7 +30,7 @@ pub struct SelfHeatingParameters {
     pub name: String,
     /// Temperature with no heating at all, °C.
     pub rest_c: f64,
-    /// Of one reading at the low and at the high level.
+    /// Noise of one reading at the low and at the high level.
     #[serde(rename = "noise_k")]
     pub noise: ReadingNoise,
     /// ξ_k, ascending.
@@ -90,7 +89,7 @@ pub struct QuiescentNetwork {
 }
 
 impl QuiescentNetwork {
-    /// Whether there are elements without a surface, which find heat from the support.
+    /// Tells whether there are elements without a surface, which find heat from the support.
     pub fn has_cores(&self) -> bool {
         self.own.iter().any(|own| own.surface.is_none())
     }
@@ -139,16 +138,4 @@ impl NetworkError {
     pub(super) fn of(self, element: &str) -> Self {
         Self(format!("element `{element}`: {self}"))
     }
-}
-
-/// Records from which no quiescent-gas network can be identified.
-#[derive(Debug, thiserror::Error)]
-pub enum NetworkIdentifyError {
-    /// A file cannot be read, is not one of quiescent gas with one driven element, or does not tell
-    /// a pair.
-    #[error(transparent)]
-    Recording(#[from] RecordingError),
-    /// The records make no network together, or diffusive finds no model of them.
-    #[error(transparent)]
-    Network(#[from] NetworkError),
 }

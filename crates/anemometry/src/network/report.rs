@@ -30,9 +30,9 @@ pub struct NetworkReport {
     pub outputs: Vec<OutputReport>,
     /// Why each pair has so many rates.
     pub reasons: Vec<String>,
-    /// What is wrong with the network.
+    /// Warnings about the network.
     pub warnings: Vec<String>,
-    /// Whether nothing is wrong.
+    /// Nothing is wrong.
     pub supported: bool,
     /// The file that was written.
     #[serde(skip)]
@@ -90,7 +90,7 @@ pub struct OutputReport {
     pub offset_c: f64,
     /// Residuals of readings at the low level, K rms.
     pub residual_rms: f64,
-    /// How far the records disagree about the offset, K.
+    /// Amount by which the records disagree about the offset, K.
     #[serde(skip)]
     apart_k: f64,
 }
@@ -177,7 +177,7 @@ impl fmt::Display for NetworkReport {
             let (element, offset_c) = (output.element(), output.offset_c);
             writeln!(f, "{element:<14} {offset_c:>9.4} °C {apart_mk:>13.2} mK {left_mk:>15.3} mK")?;
         }
-        // What of the head is not linear, and so is missing from the network.
+        // A part of the head that is not linear, and so is missing from the network.
         let worst = self.outputs.iter().max_by(|a, b| a.apart_k.total_cmp(&b.apart_k));
         if let Some(worst) = worst.filter(|output| output.apart_k > 0.0) {
             let (apart_mk, percent) = (1e3 * worst.apart_k, 100.0 * worst.apart_k / TYPICAL_OVERHEAT_K);

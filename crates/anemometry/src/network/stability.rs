@@ -63,7 +63,7 @@ const GROWS: f64 = 2.0;
 const ROUNDING: f64 = 1e-2;
 
 impl QuiescentNetwork {
-    /// As [`observer`](Self::observer), whose filters must be stable beside each other.
+    /// Like [`observer`](Self::observer), with filters that must be stable beside each other.
     ///
     /// # Errors
     /// As `observer`, or the greatest bandwidth that is stable.
@@ -157,12 +157,12 @@ impl ReadLevels {
     }
 }
 
-/// Whether the error of steady gains dies away after a jump.
+/// Tells whether the error of steady gains dies away after a jump.
 fn settles(network: &QuiescentNetwork, observer: &NetworkObserver, bandwidth_hz: f64, sample_period_s: f64) -> bool {
     settles_within(network, observer, FOLLOWED_SET * LAST_PERIODS / bandwidth_hz, sample_period_s)
 }
 
-/// Whether it does with each set of quick gains, used by all surfaces at once.
+/// Tells whether it does with each set of quick gains, used by all surfaces at once.
 fn quick_sets_settle(network: &QuiescentNetwork, quick: &NetworkObserver, sample_period_s: f64) -> bool {
     let sets = quick.faster.iter().map(|of| of.set).max().map_or(0, |most| most + 1);
     (0..sets).all(|set| {

@@ -34,9 +34,9 @@ pub struct WindComparison {
     pub failed: u64,
     /// Estimates of these without a direction.
     pub no_direction: u64,
-    /// Whether 95 % intervals hold the true speed.
+    /// 95 % intervals hold the true speed.
     pub speed_coverage: Coverage,
-    /// Whether 95 % intervals hold the true direction.
+    /// 95 % intervals hold the true direction.
     pub direction_coverage: Coverage,
     /// Normal of the plane in which the wind is compared, of a head that outputs no other.
     plane: Option<[f64; 3]>,
@@ -51,7 +51,7 @@ pub struct ErrorSum {
     worst: f64,
 }
 
-/// How often an interval holds what it should.
+/// Share of intervals that hold what it should.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Coverage {
     count: u64,

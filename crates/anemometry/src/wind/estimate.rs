@@ -3,6 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
+use anyhow::Context;
 use diffusive::model::Conditions;
 use dr_core::wind::QualityFlags;
 use dr_core::wind::slow_errors::SurfaceCorrection;
@@ -16,7 +17,7 @@ use super::gas_input::{GasInput, temperature_column};
 use super::gas_uncertainty::{GasReadingErrors, GasUncertainty};
 use super::given_winds::GivenWinds;
 use super::moment::{Moment, TickOrigin};
-use super::off_line::{CorrectedHeadError, OffLineAnemometer, WindError, axes};
+use super::off_line::{OffLineAnemometer, WindError, axes};
 use super::replay::Replay;
 use super::report::WindReport;
 use super::tally::{EstimateTally, LevelRecord, UnknownHeat, contradiction};
@@ -43,7 +44,7 @@ const NOT_SETTLED: [QualityFlags; 3] = [QualityFlags::STARTING, QualityFlags::SA
 pub struct WindOptions {
     /// Bandwidth of the convective powers, Hz; by default 2.
     pub bandwidth_hz: Option<f64>,
-    /// Whether the bandwidth stays after a jump of the wind.
+    /// The bandwidth stays after a jump of the wind.
     pub fixed: bool,
     /// Output interval, s; by default 0.01 or a tick.
     pub interval_s: Option<f64>,
@@ -56,7 +57,7 @@ pub struct WindOptions {
     pub gas_uncertainty: GasUncertainty,
     /// Estimates before this time do not count in the report, s.
     pub from_s: f64,
-    /// Of every stretch of one label, so many seconds do not count in the report.
+    /// Time at the beginning of every stretch of one label that does not count in the report.
     pub settle_s: f64,
 }
 
@@ -65,7 +66,7 @@ pub struct WindOptions {
 pub struct EstimatedWind {
     /// Time, tick and conditions.
     pub moment: Moment,
-    /// As the board outputs it.
+    /// Sample as the board outputs it.
     pub sample: WindSample,
     /// Heat of each element without a surface, W ([`WindEstimation::cores`]).
     pub unknown_heat_w: Vec<f32>,
@@ -102,7 +103,7 @@ pub struct WindEstimation<'a> {
     /// Least and greatest temperature of the gas in estimates that count, °C.
     gas_c: Option<[f64; 2]>,
     unknown_heat: Vec<UnknownHeat>,
-    /// Of the gas, and of labels that do not match.
+    /// Warnings of the gas, and of labels that do not match.
     warnings: Vec<String>,
 }
 
@@ -171,12 +172,12 @@ impl<'a> WindEstimation<'a> {
         self.unknown_heat.iter().map(|of| of.element.clone()).collect()
     }
 
-    /// Whether true winds are given or stand in the recording.
+    /// Tells whether true winds are given or stand in the recording.
     pub fn has_truth(&self) -> bool {
         self.winds.is_some() || self.replay.has_wind()
     }
 
-    /// Whether the recording has a column of the gas's temperature.
+    /// Tells whether the recording has a column of the gas's temperature.
     pub fn has_gas(&self) -> bool {
         self.replay.has_gas()
     }
@@ -219,8 +220,10 @@ impl<'a> WindEstimation<'a> {
         correction: &FieldCorrection,
         found: &str,
         day: Option<&str>,
-    ) -> Result<String, CorrectedHeadError> {
-        let whole = correction.constant(self.former.as_ref()).ok_or(CorrectedHeadError::Unexplained)?;
+    ) -> anyhow::Result<String> {
+        let whole = correction.constant(self.former.as_ref()).context(
+            "nothing is written: the slow errors that were found do not explain what contradicts, or nothing contradicts",
+        )?;
         Ok(self.calibration.with_corrections(&whole, found, day, self.head)?.0)
     }
 

@@ -34,7 +34,7 @@ pub struct GasInput {
     species: &'static str,
     pressure_pa: f64,
     temperature: TemperatureSource,
-    /// As an option says.
+    /// Uncertainty that an option says.
     uncertainty: GasUncertainty,
     last: Option<f32>,
     has_begun: bool,

@@ -1,4 +1,4 @@
-//! What the uncertainty of the gas's readings does to a wind: beside the anemometer go others, each
+//! Effect of the uncertainty of the gas's readings on a wind: beside the anemometer go others, each
 //! with one reading a little off, and the difference of their winds is added, as much larger as the
 //! reading's uncertainty is.
 //!
@@ -32,9 +32,9 @@ use crate::vector::angle_deg;
 /// Standard uncertainties of the readings of the gas; what is none is taken for certain.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct GasUncertainty {
-    /// Of the pressure, Pa.
+    /// Uncertainty of the pressure, Pa.
     pub pressure_pa: Option<f64>,
-    /// Of the temperature, K.
+    /// Uncertainty of the temperature, K.
     pub temperature_k: Option<f64>,
 }
 
@@ -48,7 +48,7 @@ pub struct GasReadingErrors<'a> {
     others: Vec<OffReading<'a>>,
     /// Element that measures the gas.
     reference: Option<usize>,
-    /// How many axes across the wind a direction may be off about.
+    /// Number of axes across the wind about which a direction may be off.
     axes_across: f64,
 }
 

@@ -16,7 +16,7 @@ const HELD_S: f64 = 1.0;
 pub struct Moment {
     /// Since the beginning, s.
     pub time_s: f64,
-    /// As the instrument had it.
+    /// Tick as the instrument had it.
     pub tick: Tick<MOST_ELEMENTS>,
     /// Label of the conditions; empty where there is none.
     pub event: String,
@@ -26,11 +26,11 @@ pub struct Moment {
     pub wind_m_s: Option<[f64; 3]>,
     /// True or measured temperature of the gas, from the requested column, °C.
     pub gas_c: Option<f64>,
-    /// Whether the moment was recorded.
+    /// The moment was recorded.
     pub known: TickOrigin,
 }
 
-/// Whether a tick was recorded.
+/// Origin of a tick: recorded or filled in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TickOrigin {
     /// It was recorded.
@@ -48,7 +48,7 @@ pub struct ElementReading {
     pub temperature_c: f32,
     /// Heating power, W; NaN where it is not known: the mean of the last second stands for it.
     pub power_w: f32,
-    /// Whether the heater was at its high level.
+    /// The heater was at its high level.
     pub is_high: bool,
 }
 

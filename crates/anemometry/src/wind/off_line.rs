@@ -94,17 +94,6 @@ pub fn axes(head: &Head, calibration: &Calibration) -> Vec<[f64; 3]> {
     calibration.surfaces.iter().filter_map(|&place| head.elements[place].normal).collect()
 }
 
-/// A recording whose head cannot be had.
-#[derive(Debug, thiserror::Error)]
-pub enum RecordedHeadError {
-    /// The recording cannot be read, or carries no head.
-    #[error(transparent)]
-    Recording(#[from] RecordingError),
-    /// The head cannot be read.
-    #[error(transparent)]
-    File(#[from] FileError),
-}
-
 /// A recording from which no wind can be estimated.
 #[derive(Debug, thiserror::Error)]
 pub enum WindError {
@@ -123,19 +112,6 @@ pub enum WindError {
     /// The gas is not known, or known twice.
     #[error(transparent)]
     Gas(#[from] GasInputError),
-}
-
-/// Why a head does not get corrections.
-#[derive(Debug, thiserror::Error)]
-pub enum CorrectedHeadError {
-    /// Nothing contradicts, or what was found leaves most of it.
-    #[error(
-        "nothing is written: the slow errors that were found do not explain what contradicts, or nothing contradicts"
-    )]
-    Unexplained,
-    /// The head cannot be written.
-    #[error(transparent)]
-    File(#[from] FileError),
 }
 
 /// Pressure or temperature of the gas that is not known, known twice, or impossible: a sentence.

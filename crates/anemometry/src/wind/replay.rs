@@ -19,7 +19,6 @@ use recording::{
 };
 
 use super::moment::{ElementReading, Moment, TickOrigin, Ticks, run_state};
-use super::off_line::RecordedHeadError;
 
 use crate::head::file::Head;
 
@@ -55,7 +54,7 @@ pub struct Replay {
     last_s: Option<f64>,
     last_event: String,
     last_gas_c: Option<f64>,
-    /// How many ticks are missing before the next row; none before it is looked at.
+    /// Number of ticks that are missing before the next row; none before it is looked at.
     missing: Option<u64>,
     /// Ticks that were gone through in gaps.
     gone_through: u64,
@@ -144,12 +143,13 @@ impl Replay {
         })
     }
 
-    /// Whether it has columns of the true wind.
+    /// Tells whether it has columns of the true wind.
     pub fn has_wind(&self) -> bool {
         self.places.wind.is_some()
     }
 
-    /// Whether it has a column of the gas's temperature, the requested one or the simulation's.
+    /// Tells whether it has a column of the gas's temperature, the requested one or the
+    /// simulation's.
     pub fn has_gas(&self) -> bool {
         self.places.gas.is_some()
     }
@@ -286,7 +286,7 @@ fn period_of(path: &Path, said_s: Option<f64>) -> Result<f64, RecordingError> {
 ///
 /// # Errors
 /// If there is none, or it cannot be read.
-pub fn head_of(recording: &Path, head: Option<&Path>) -> Result<Head, RecordedHeadError> {
+pub fn head_of(recording: &Path, head: Option<&Path>) -> anyhow::Result<Head> {
     if let Some(path) = head {
         return Ok(Head::read(path)?);
     }

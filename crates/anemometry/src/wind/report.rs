@@ -25,7 +25,7 @@ pub struct WindReport {
     pub made_from: String,
     /// That corrections of the head are applied, in words, if it carries any.
     pub correction: Option<String>,
-    /// Whether it outputs the wind in a plane only.
+    /// It outputs the wind in a plane only.
     pub in_plane: bool,
     /// Number of all estimates.
     pub estimates: u64,
@@ -35,13 +35,13 @@ pub struct WindReport {
     pub fixed_because: Option<String>,
     /// The gas, with its source.
     pub gas: GasInput,
-    /// What does not fit the recording: gas, labels of winds.
+    /// Warnings about the recording: gas, labels of winds.
     pub warnings: Vec<String>,
     /// Elements of the network that stayed at one level, as no loop does.
     pub at_one_level: Vec<String>,
     /// Number of gaps of the recording.
     pub gaps: u64,
-    /// How long the gaps are in all, s.
+    /// Length of all gaps, s.
     pub missing_s: f64,
     /// Estimates before do not count, s.
     pub from_s: f64,
@@ -124,7 +124,7 @@ impl fmt::Display for WindReport {
 }
 
 impl WindReport {
-    /// Which estimates count, and how noisy they are.
+    /// Estimates that count, and how noisy they are.
     fn counting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut which = Vec::new();
         if self.from_s > 0.0 {

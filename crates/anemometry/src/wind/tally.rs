@@ -22,7 +22,8 @@ pub struct EstimateTally {
     winds: u64,
     speed_m_s: f64,
     speed_error_m_s: LogMedian,
-    /// Of winds that have a relative speed to speak of, and of those that have a direction, °.
+    /// Medians of winds that have a relative speed to speak of, and of those that have a direction,
+    /// °.
     relative_error: LogMedian,
     direction_error_deg: LogMedian,
 }
@@ -34,7 +35,7 @@ pub struct EstimateSummary {
     pub estimates: u64,
     /// Number of estimates with each flag; flags that were never raised are left out.
     pub quality_flags: BTreeMap<&'static str, u64>,
-    /// Of estimates that have a wind; `None` if there was none.
+    /// Mean speed of estimates that have a wind; `None` if there was none.
     pub mean_speed_m_s: Option<f64>,
     /// Standard error of one estimate by the noise of the readings: the median, since a few
     /// estimates right after a jump of the wind have very great ones.
@@ -153,7 +154,7 @@ impl LevelRecord {
         self.last = Some(tick.heaters.0);
     }
 
-    /// Whether an element stayed at its level all the time.
+    /// Tells whether an element stayed at its level all the time.
     pub fn is_constant(&self, element: usize) -> bool {
         self.last.is_some() && self.changes.get(element).is_some_and(|changes| *changes <= MOST_CHANGES)
     }
@@ -182,7 +183,7 @@ pub struct UnknownHeat {
 }
 
 impl UnknownHeat {
-    /// Of an element of which nothing is known yet.
+    /// Record of an element of which nothing is known yet.
     pub fn new(element: String, place: usize) -> Self {
         Self { element, place, mean_w: 0.0, range_w: [f64::INFINITY, f64::NEG_INFINITY], count: 0 }
     }
@@ -194,7 +195,7 @@ impl UnknownHeat {
         self.range_w = [self.range_w[0].min(heat_w), self.range_w[1].max(heat_w)];
     }
 
-    /// Whether anything was added.
+    /// Tells whether anything was added.
     pub fn is_known(&self) -> bool {
         self.count > 0
     }

@@ -1,4 +1,4 @@
-//! What charges a dielectric: carriers that a bias of one sign injects, as a diffusive bank.
+//! Carriers that charge a dielectric: those that a bias of one sign injects, as a diffusive bank.
 //!
 //! Under a constant bias V their part of the voltage shift goes to a(V), along relaxations of many
 //! rates ξ_k with weights w_k:

@@ -31,15 +31,15 @@ pub struct Device {
     /// The file, which errors name.
     #[serde(skip)]
     pub source: TomlSource,
-    /// What it is called, in columns too.
+    /// Name, in columns too.
     pub name: String,
     /// Its capacitance.
     pub capacitor: MemsCapacitor,
-    /// What it bears.
+    /// Limits that it bears.
     pub limits: DeviceLimits,
-    /// How it is read.
+    /// Meter that reads it.
     pub meter: MeterRange,
-    /// What simulates it; without it, only a real one can be run.
+    /// Simulation; without it, only a real one can be run.
     pub simulation: Option<Simulation>,
 }
 
@@ -67,7 +67,7 @@ pub struct DeviceLimits {
     pub capacitance_max_f: f64,
 }
 
-/// How a device is read.
+/// Range and noise of the meter that reads a device.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MeterRange {
@@ -92,7 +92,7 @@ const fn tenth_of_a_volt() -> f64 {
     0.1
 }
 
-/// What simulates a device.
+/// Simulation of a device.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Simulation {
@@ -114,7 +114,7 @@ pub struct Simulation {
     /// Share by which charging grows a kelvin.
     #[serde(default)]
     pub charging_per_k: f64,
-    /// What charges.
+    /// Carriers.
     pub carriers: Vec<Carriers>,
 }
 

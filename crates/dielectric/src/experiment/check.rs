@@ -1,4 +1,4 @@
-//! What an experiment would do, without doing it.
+//! Preview of an experiment, without doing it.
 
 use std::fmt;
 
@@ -12,7 +12,7 @@ use super::DeviceExperiment;
 /// An experiment in words.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DeviceCheck {
-    /// What it is called.
+    /// Title.
     pub title: String,
     /// Name of the device.
     pub device: String,
@@ -28,9 +28,9 @@ pub struct DeviceCheck {
     pub shift_noise_v: f64,
     /// By how much a hundredth of C₀ moves a shift by one reading; that by two it does not, V.
     pub single_shift_v_per_percent: f64,
-    /// What it does from when on.
+    /// Phases and their beginnings.
     pub phases: Vec<CheckedPhase>,
-    /// Whether its device can be simulated.
+    /// Its device can be simulated.
     pub is_simulated: bool,
 }
 
@@ -39,14 +39,14 @@ pub struct DeviceCheck {
 pub struct CheckedPhase {
     /// Its start, s.
     pub start_s: f64,
-    /// What it is called.
+    /// Name.
     pub label: String,
-    /// What drives the device.
+    /// Drive of the device.
     pub drive: String,
 }
 
 impl DeviceCheck {
-    /// Of a checked experiment.
+    /// Statistics of a checked experiment.
     pub fn new(experiment: &DeviceExperiment) -> Self {
         let (device, shape) = (&experiment.device, &experiment.shape);
         let second_s = shape.second_share * shape.symbol_time_s;

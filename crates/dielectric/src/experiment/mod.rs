@@ -31,9 +31,9 @@ use crate::simulated::{SimulatedDevice, SurroundingsPoint};
 pub struct DeviceExperiment {
     /// The file, which errors name.
     pub source: TomlSource,
-    /// What it is called.
+    /// Title.
     pub title: String,
-    /// What it is on.
+    /// Device.
     pub device: Device,
     /// Voltages and times of its symbols.
     pub shape: SymbolShape,
@@ -43,20 +43,20 @@ pub struct DeviceExperiment {
     pub seed: u64,
     /// Limit of the guard for a loop that wants one symbol all the time.
     pub unreachable_ticks: u32,
-    /// What it does when, the first at 0, ascending.
+    /// Phases, the first at 0, ascending.
     pub phases: Vec<DevicePhase>,
     /// Around a simulated device.
     pub surroundings: Vec<SurroundingsPoint>,
 }
 
-/// What a device does from a tick on.
+/// Phase of a device from a tick on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DevicePhase {
     /// First tick.
     pub tick: u32,
-    /// What it is called in the recording.
+    /// Name in the recording.
     pub label: String,
-    /// What drives it.
+    /// Drive.
     pub drive: Drive,
 }
 
@@ -72,7 +72,7 @@ impl DeviceExperiment {
         &self.phases[begun.max(1) - 1]
     }
 
-    /// What sets a controller up for it, in the order that it needs.
+    /// Commands that set a controller up for it, in the order that it needs.
     ///
     /// # Errors
     /// If the core cannot take a number of the device.
@@ -100,7 +100,7 @@ impl DeviceExperiment {
         })
     }
 
-    /// Whether a file is an experiment on a device, and not on a head.
+    /// Tells whether a file is an experiment on a device, and not on a head.
     pub fn is_one(source: &TomlSource) -> bool {
         source.text.parse::<toml::Table>().is_ok_and(|table| table.contains_key("device"))
     }

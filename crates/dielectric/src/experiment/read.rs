@@ -15,7 +15,7 @@ use crate::simulated::SurroundingsPoint;
 
 /// Symbols between 100 Hz and 0.1 Hz, the longest tick of a controller.
 const SYMBOL_TIMES_S: std::ops::RangeInclusive<f64> = 0.01..=10.0;
-/// Of the integrator of a loop of second order, if none is given.
+/// Gain of the integrator of a loop of second order, if none is given.
 const GAIN: f64 = 0.1;
 
 /// The file as it is written.

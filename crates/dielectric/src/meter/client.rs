@@ -22,21 +22,15 @@ const SMOOTHING: u32 = 8;
 /// Dropping it leaves the bias at 0 V and off, as far as the meter can be reached. What ends this
 /// program without that, as a power cut does, leaves the bias on: the meter has no dead-man timer.
 ///
-/// ```
-/// use dielectric::meter::{MeterSettings, PretendedMeter, ScpiMeter};
-/// use dielectric::port::DevicePort;
-/// use dielectric::port::{ChargeSymbol, SymbolShape};
+/// ```no_run
+/// use dielectric::meter::{MeterSettings, ScpiMeter};
+/// use dielectric::port::{ChargeSymbol, DevicePort, SymbolShape};
 ///
-/// let device = Box::new(|bias_v: f64, _held| Some(1e-12 + 1e-15 * bias_v * bias_v));
-/// let pretended = PretendedMeter::start(Default::default(), device)?;
-/// let (frequency_hz, level_v, most_bias_v, timeout_s) = (1e6, 0.1, 20.0, 5.0);
-/// let settings = MeterSettings { frequency_hz, level_v, most_bias_v, timeout_s };
-/// let mut meter = ScpiMeter::connect(&pretended.address().to_string(), &settings)?;
-/// let (positive_v, negative_v, second_share, symbol_time_s) = (10.0, -20.0, 0.5, 0.1);
-/// let shape = SymbolShape { positive_v, negative_v, second_share, symbol_time_s };
-/// assert_eq!(meter.apply(Some(ChargeSymbol::Bit1), &shape)?, [Some(1.1e-12), Some(1.4e-12)]);
+/// let settings = MeterSettings { frequency_hz: 1e6, level_v: 0.1, most_bias_v: 20.0, timeout_s: 5.0 };
+/// let mut meter = ScpiMeter::connect("192.168.0.17", &settings)?;
+/// let shape = SymbolShape { positive_v: 10.0, negative_v: -20.0, second_share: 0.5, symbol_time_s: 0.1 };
+/// println!("{:?}", meter.apply(Some(ChargeSymbol::Bit1), &shape)?);
 /// meter.release()?;
-/// assert_eq!(pretended.bias_v(), 0.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct ScpiMeter {
@@ -45,9 +39,9 @@ pub struct ScpiMeter {
     settings: MeterSettings,
     clock: SymbolClock,
     most_late: f64,
-    /// How long a reading takes.
+    /// Time that a reading takes.
     reading: Duration,
-    /// Whether the meter has confirmed 0 V and off, and has not been commanded otherwise since.
+    /// The meter has confirmed 0 V and off, and has not been commanded otherwise since.
     is_released: bool,
 }
 
@@ -63,7 +57,9 @@ impl ScpiMeter {
         let mut link = MeterLink::connect(address, timeout)?;
         let identity = link.identity()?;
         if !identity.split(',').nth(1).is_some_and(|model| model.trim().starts_with("E4980A")) {
-            return Err(MeterError::OtherInstrument { address: address.to_owned(), identity });
+            return Err(MeterError::Other(format!(
+                "{address} is {identity:?}: this program commands a Keysight or Agilent E4980A, nothing has been set"
+            )));
         }
         let (settings, clock) = (*settings, SymbolClock::default());
         let (most_late, reading, is_released) = (MOST_LATE, Duration::ZERO, false);
@@ -181,7 +177,10 @@ impl ScpiMeter {
             return Ok(());
         }
         let reason = self.link.next_error()?.map_or_else(String::new, |error| format!(", with the error {error}"));
-        Err(MeterError::OtherBias { commanded_v, commanded_on, found_v, found_on, reason })
+        let [found, commanded] = [found_on, commanded_on].map(|is_on| if is_on { "on" } else { "off" });
+        Err(MeterError::Other(format!(
+            "the meter has a bias of {found_v} V, {found}, where {commanded_v} V, {commanded}, was commanded{reason}; does it have Option 001, and does nobody else use it?"
+        )))
     }
 
     /// 0 V and off, confirmed; at a second try over a new connection.
@@ -244,7 +243,7 @@ fn length(part_s: f64) -> Result<Duration, MeterError> {
     let possible = Duration::from_micros(1)..=Duration::from_secs(86_400);
     let length = Duration::try_from_secs_f64(part_s).ok().filter(|length| possible.contains(length));
     length.ok_or_else(|| {
-        MeterError::Unusable(format!("a part of a symbol has a length of {part_s} s: 0.000001 to 86400 s is possible"))
+        MeterError::Other(format!("a part of a symbol has a length of {part_s} s: 0.000001 to 86400 s is possible"))
     })
 }
 
@@ -252,7 +251,7 @@ fn sleep_until(moment: Instant) {
     std::thread::sleep(moment.saturating_duration_since(Instant::now()));
 }
 
-/// How a meter measures, and what it may apply.
+/// Settings of the measurement, and the largest bias.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeterSettings {
     /// Frequency of the oscillator, Hz.
@@ -261,8 +260,8 @@ pub struct MeterSettings {
     pub level_v: f64,
     /// Largest bias of either sign that may reach the device, V.
     pub most_bias_v: f64,
-    /// How long a connection or an answer may take, s: longer than a measurement and a reset, which
-    /// take up to a second at low frequencies.
+    /// Time that a connection or an answer may take, s: longer than a measurement and a reset,
+    /// which take up to a second at low frequencies.
     pub timeout_s: f64,
 }
 
@@ -272,28 +271,28 @@ impl MeterSettings {
         let positive = [("frequency_hz", self.frequency_hz), ("level_v", self.level_v), ("timeout_s", self.timeout_s)];
         let wrong = positive.into_iter().find(|(_, value)| !(value.is_finite() && *value > 0.0));
         if let Some((name, value)) = wrong {
-            return Err(MeterError::Unusable(format!("{name} is {value}: a number above 0 is needed")));
+            return Err(MeterError::Other(format!("{name} is {value}: a number above 0 is needed")));
         }
         if !(self.most_bias_v.is_finite() && self.most_bias_v >= 0.0) {
             let value = self.most_bias_v;
-            return Err(MeterError::Unusable(format!("most_bias_v is {value}: a number from 0 is needed")));
+            return Err(MeterError::Other(format!("most_bias_v is {value}: a number from 0 is needed")));
         }
         // A socket refuses a time-out of zero, which a very small one would round to.
         let timeout = Duration::try_from_secs_f64(self.timeout_s).unwrap_or(Duration::MAX);
         if timeout < Duration::from_millis(1) || timeout > Duration::from_secs(3600) {
             let value = self.timeout_s;
-            return Err(MeterError::Unusable(format!("timeout_s is {value}: 0.001 to 3600 is possible")));
+            return Err(MeterError::Other(format!("timeout_s is {value}: 0.001 to 3600 is possible")));
         }
         Ok(timeout)
     }
 
-    /// Whether a bias may be applied.
+    /// Tells whether a bias may be applied.
     fn allow(&self, bias_v: f64) -> Result<(), MeterError> {
         let most_v = self.most_bias_v;
         // Also refuses what is not a number.
         if bias_v.abs() <= most_v {
             return Ok(());
         }
-        Err(MeterError::Unusable(format!("a bias of {bias_v} V is beyond most_bias_v, which is {most_v} V")))
+        Err(MeterError::Other(format!("a bias of {bias_v} V is beyond most_bias_v, which is {most_v} V")))
     }
 }

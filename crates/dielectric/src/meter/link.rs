@@ -25,7 +25,7 @@ impl MeterLink {
     pub(super) fn connect(address: &str, timeout: Duration) -> Result<Self, MeterError> {
         let (stream, at) = dialled(address, timeout)?;
         let ready = ready(&stream, timeout);
-        ready.map_err(|source| MeterError::Unreachable { address: address.to_owned(), source })?;
+        ready.map_err(|source| MeterError::unreachable(address, &source))?;
         Ok(Self { stream, at, timeout, received: Vec::new() })
     }
 
@@ -38,8 +38,7 @@ impl MeterLink {
             ready(&stream, self.timeout)?;
             Ok(stream)
         };
-        let unreachable = |source| MeterError::Unreachable { address: self.at.to_string(), source };
-        self.stream = anew().map_err(unreachable)?;
+        self.stream = anew().map_err(|source: io::Error| MeterError::unreachable(&self.at.to_string(), &source))?;
         self.received.clear();
         Ok(())
     }
@@ -47,7 +46,7 @@ impl MeterLink {
     /// Sends a command that has no answer.
     pub(super) fn send(&mut self, command: &str) -> Result<(), MeterError> {
         let sent = self.stream.write_all(format!("{command}\n").as_bytes());
-        sent.map_err(|source| self.broken(command, source))
+        sent.map_err(|source| self.broken(command, &source))
     }
 
     /// Sends a command, and reads whether the meter refuses it.
@@ -55,7 +54,7 @@ impl MeterLink {
         self.send(command)?;
         match self.next_error()? {
             None => Ok(()),
-            Some(reason) => Err(MeterError::Refused { command: command.to_owned(), reason }),
+            Some(reason) => Err(MeterError::Other(format!("the meter refuses {command}: {reason}"))),
         }
     }
 
@@ -87,7 +86,7 @@ impl MeterLink {
                 (Ok(line), _) => dropped = Some(line),
                 // It is not silent: it talks, and not of itself.
                 (Err(MeterError::Silent { command, .. }), Some(answer)) => {
-                    return Err(MeterError::Garbled { command, answer });
+                    return Err(MeterError::garbled(&command, &answer));
                 }
                 (Err(error), _) => return Err(error),
             }
@@ -101,7 +100,7 @@ impl MeterLink {
                 return Ok(String::from_utf8_lossy(&line).trim().to_owned());
             }
             if self.received.len() > LONGEST_ANSWER {
-                return Err(self.garbled(command));
+                return Err(MeterError::garbled(command, &self.take_received()));
             }
             let left = deadline.saturating_duration_since(Instant::now());
             if left.is_zero() {
@@ -110,34 +109,30 @@ impl MeterLink {
             let mut buffer = [0; 512];
             let read = self.stream.set_read_timeout(Some(left)).and_then(|()| self.stream.read(&mut buffer));
             match read {
-                Ok(0) => return Err(self.broken(command, io::Error::new(ErrorKind::UnexpectedEof, "it was closed"))),
+                Ok(0) => return Err(self.broken(command, &io::Error::new(ErrorKind::UnexpectedEof, "it was closed"))),
                 Ok(read) => self.received.extend_from_slice(&buffer[..read]),
                 Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {}
                 // A signal, such as Ctrl-C: the caller looks after it.
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
-                Err(error) => return Err(self.broken(command, error)),
+                Err(error) => return Err(self.broken(command, &error)),
             }
         }
     }
 
     fn silent(&mut self, command: &str) -> MeterError {
-        let command = command.to_owned();
-        match self.take_received() {
-            answer if answer.is_empty() => MeterError::Silent { command, timeout_s: self.timeout.as_secs_f64() },
-            answer => MeterError::CutShort { command, answer },
+        let (answer, timeout_s) = (self.take_received(), self.timeout.as_secs_f64());
+        if answer.is_empty() {
+            return MeterError::Silent { command: command.to_owned(), timeout_s };
         }
+        MeterError::cut_short(command, &answer)
     }
 
-    fn garbled(&mut self, command: &str) -> MeterError {
-        MeterError::Garbled { command: command.to_owned(), answer: self.take_received() }
-    }
-
-    fn broken(&mut self, command: &str, source: io::Error) -> MeterError {
-        let command = command.to_owned();
-        match self.take_received() {
-            answer if answer.is_empty() => MeterError::Broken { command, source },
-            answer => MeterError::CutShort { command, answer },
+    fn broken(&mut self, command: &str, source: &io::Error) -> MeterError {
+        let answer = self.take_received();
+        if answer.is_empty() {
+            return MeterError::Other(format!("the connection to the meter broke at {command}: {source}"));
         }
+        MeterError::cut_short(command, &answer)
     }
 
     fn take_received(&mut self) -> String {
@@ -160,7 +155,7 @@ const PORT: u16 = 5025;
 /// port is in brackets. The time-out is that of each address of a name; looking the name up takes
 /// as long as the system lets it.
 fn dialled(address: &str, timeout: Duration) -> Result<(TcpStream, SocketAddr), MeterError> {
-    let unreachable = |source| MeterError::Unreachable { address: address.to_owned(), source };
+    let unreachable = |source| MeterError::unreachable(address, &source);
     let (host, port) = split(address)?;
     let mut last = io::Error::new(io::ErrorKind::NotFound, "the name has no address");
     for at in (host, port).to_socket_addrs().map_err(unreachable)? {
@@ -190,26 +185,26 @@ fn split(address: &str) -> Result<(&str, u16), MeterError> {
         Ok(port) if !host.is_empty() && !host.contains(['[', ']']) => Ok((host, port)),
         _ => {
             let needed = format!("HOST or HOST:PORT is needed, as 192.168.0.7 or [fe80::7]:{PORT}");
-            Err(MeterError::Unusable(format!("{address:?} is no address of a meter: {needed}")))
+            Err(MeterError::Other(format!("{address:?} is no address of a meter: {needed}")))
         }
     }
 }
 
-/// What stands where a number would, if there is none.
+/// Value in place of a number, if there is none.
 const NO_NUMBER: f64 = 9.9e37;
 
 /// A number.
 pub(super) fn number(command: &str, answer: &str) -> Result<f64, MeterError> {
     let number = answer.trim().parse().ok().filter(|number: &f64| number.is_finite());
-    number.ok_or_else(|| MeterError::Garbled { command: command.to_owned(), answer: answer.to_owned() })
+    number.ok_or_else(|| MeterError::garbled(command, answer))
 }
 
-/// Whether a switch is on.
+/// Tells whether a switch is on.
 pub(super) fn switch(command: &str, answer: &str) -> Result<bool, MeterError> {
     match answer.trim().trim_start_matches('+') {
         "0" => Ok(false),
         "1" => Ok(true),
-        _ => Err(MeterError::Garbled { command: command.to_owned(), answer: answer.to_owned() }),
+        _ => Err(MeterError::garbled(command, answer)),
     }
 }
 
@@ -217,7 +212,7 @@ pub(super) fn switch(command: &str, answer: &str) -> Result<bool, MeterError> {
 pub(super) fn capacitance_f(command: &str, answer: &str) -> Result<Option<f64>, MeterError> {
     let fields: Vec<&str> = answer.split(',').collect();
     let [capacitance, loss, status, ..] = fields[..] else {
-        return Err(MeterError::CutShort { command: command.to_owned(), answer: answer.to_owned() });
+        return Err(MeterError::cut_short(command, answer));
     };
     // An answer is whole or it is nothing: D is not needed, but it has to be there.
     number(command, loss)?;
@@ -291,9 +286,10 @@ mod answer_tests {
         for missing in ["+9.9E+37,+9.9E+37,+1", "+9.9E+37,+9.9E+37,+0", "+1E-12,+1E-3,+3", "+1E-12,+1E-3,-1"] {
             assert_eq!(read(missing).expect("an answer"), None, "{missing}");
         }
-        assert!(matches!(read("+1.2E-12,+1"), Err(MeterError::CutShort { .. })));
+        let refused = |answer| read(answer).expect_err(answer).to_string();
+        assert_eq!(refused("+1.2E-12,+1"), "the meter's answer to :FETC? is cut short: \"+1.2E-12,+1\"");
         for garbled in ["x,+1E-3,+0", "+1E-12,,+0", "+1E-12,+1E-3,", "nan,+1E-3,+0", "+1E-12,inf,+0", "1,2,3x"] {
-            assert!(matches!(read(garbled), Err(MeterError::Garbled { .. })), "{garbled}");
+            assert!(refused(garbled).starts_with("the meter's answer to :FETC? makes no sense: "), "{garbled}");
         }
     }
 

@@ -4,7 +4,7 @@
 //! Commands are those of the E4980A/AL User's Guide, Keysight part E4980-90230 (chapter "SCPI
 //! Command Reference"; statuses are those of "Data Transfer", ASCII format). Biases other than 0,
 //! 1.5 and 2 V need its Option 001, which goes to ±40 V. The sequence has been tried against
-//! [`PretendedMeter`], not against a meter.
+//! a simulated meter (`pretended`), not against a real one.
 //!
 //! | command | when | meaning |
 //! |---|---|---|
@@ -29,6 +29,7 @@
 mod client;
 mod error;
 mod link;
+#[cfg(any(test, feature = "testing"))]
 pub mod pretended;
 mod symbol_clock;
 #[cfg(test)]
@@ -36,5 +37,6 @@ mod tests;
 
 pub use client::{MeterSettings, ScpiMeter};
 pub use error::MeterError;
+#[cfg(any(test, feature = "testing"))]
 pub use pretended::PretendedMeter;
 pub use symbol_clock::LateSymbols;

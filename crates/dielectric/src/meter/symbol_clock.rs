@@ -18,7 +18,7 @@ const ENOUGH_SYMBOLS: u64 = 20;
 pub struct LateSymbols {
     /// All symbols.
     pub symbols: u64,
-    /// Those in which a part began or ended late by more than 2 % of the symbol time.
+    /// Symbols in which a part began or ended late by more than 2 % of the symbol time.
     pub late: u64,
     /// Lateness of the worst of all symbols, s.
     pub worst_s: f64,
@@ -28,7 +28,7 @@ pub struct LateSymbols {
 pub(super) struct SymbolClock {
     /// When the next symbol begins; none while no run goes on.
     next: Option<Instant>,
-    /// Of the symbol that goes on.
+    /// Lateness of the symbol that goes on.
     lateness: Duration,
     pub(super) counted: LateSymbols,
 }
@@ -75,7 +75,9 @@ impl SymbolClock {
         // Twice the work in the shorter part. Where the work is not the reason, the caller is.
         let shorter = shape.second_share.min(1.0 - shape.second_share);
         let enough_s = (2.0 * work.as_secs_f64() / shorter).max(shape.symbol_time_s + 2.0 * worst_s);
-        Err(MeterError::Late { late, symbols, tolerance_percent: TOLERANCE_PERCENT, worst_s, enough_s })
+        Err(MeterError::Other(format!(
+            "{late} of {symbols} symbols were late by more than {TOLERANCE_PERCENT} % of a symbol time, the worst by {worst_s:.3} s; a symbol time of {enough_s:.2} s would do"
+        )))
     }
 }
 

@@ -34,7 +34,8 @@ fn pretended(misbehaviour: Option<Misbehaviour>) -> PretendedMeter {
     PretendedMeter::start(settings, device()).expect("the loopback")
 }
 
-/// Whether symbols are in time depends on the machine: a test of something else lets them be late.
+/// Tells whether symbols are in time depends on the machine: a test of something else lets them be
+/// late.
 fn connect(pretended: &PretendedMeter) -> Result<ScpiMeter, MeterError> {
     Ok(ScpiMeter::connect(&pretended.address().to_string(), &SETTINGS)?.with_most_late(1.0))
 }
@@ -59,7 +60,7 @@ fn short_run(pretended: &PretendedMeter) -> Option<(String, Option<bool>)> {
     Some((error.to_string(), Some(error.is_released)))
 }
 
-/// What the sentence of an error names.
+/// Words that the sentence of an error names.
 fn names(kind: MisbehaviourKind) -> &'static [&'static str] {
     match kind {
         MisbehaviourKind::Disconnect => &["the connection to the meter broke at"],

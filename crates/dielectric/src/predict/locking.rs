@@ -27,12 +27,12 @@ pub struct Plateau {
     pub to_v: f64,
 }
 
-/// What answers a stream of symbols.
+/// Response to a stream of symbols.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SymbolResponse {
     /// Shift without symbols, V.
     pub offset_v: f64,
-    /// What adds up.
+    /// Parts that add up.
     pub parts: Vec<ResponsePart>,
     /// T_s, s.
     pub symbol_time_s: f64,
@@ -45,7 +45,7 @@ pub struct ResponsePart {
     pub rates_rad_s: Vec<f64>,
     /// R_k, V a symbol.
     pub gains_v: Vec<f64>,
-    /// What follows at once, V a symbol.
+    /// Response at once, V a symbol.
     pub feed_through_v: f64,
     /// Symbols by which all of it is late.
     pub dead_time: usize,
@@ -132,7 +132,7 @@ mod tests {
         let part = &response.parts[0];
         let mut x = vec![0.0; part.rates_rad_s.len()];
         let (mut ones, settle, count) = (0, 3000, 5040);
-        // What the loop sees now, and what it will see: the dead time is none or one.
+        // States that the loop sees now and later: the dead time is none or one.
         let mut late_v = 0.0;
         for n in 0..settle + count {
             let relaxed_v = x.iter().zip(&part.gains_v).map(|(x, gain)| x * gain).sum::<f64>();
@@ -151,7 +151,7 @@ mod tests {
     #[test]
     fn a_simulated_loop_locks_just_where_the_plateaus_are() {
         locks(&response());
-        // What follows at once, one symbol late.
+        // The response at once comes one symbol late.
         let mut late = response();
         late.parts[0] = ResponsePart { feed_through_v: 0.06, dead_time: 1, ..late.parts[0].clone() };
         locks(&late);

@@ -23,7 +23,7 @@ use modelled::{ModelledDevice, SymbolInputs};
 /// Longest stream of a plateau that is looked for, symbols.
 const MOST_SYMBOLS: usize = 12;
 
-/// What a model answers to symbols that never cease.
+/// Response of a model to symbols that never cease.
 ///
 /// # Errors
 /// If it is no model of charge.

@@ -8,17 +8,17 @@ use crate::device::{Device, MemsCapacitor};
 use crate::port::{ChargeSymbol, SymbolShape};
 use crate::port::{DevicePort, PortError, SymbolReadings};
 
-/// How a model takes symbols.
+/// Inputs by which a model takes symbols.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum SymbolInputs {
-    /// As one input of −1 and +1.
+    /// One input of −1 and +1.
     Symbol,
-    /// As two inputs of 0 and 1, the place of that of symbol 1 being this.
+    /// Two inputs of 0 and 1, with the place of that of symbol 1.
     Bits(usize),
 }
 
 impl SymbolInputs {
-    /// Those of a model of one output.
+    /// Inputs of a model of one output.
     pub fn of(model: &Model) -> Result<Self, ModelError> {
         let refused = |what: String| {
             ModelError::new(format!(
@@ -56,7 +56,7 @@ impl SymbolInputs {
         }
     }
 
-    /// What a model answers to symbols that never cease: of two inputs b and 1 − b, half the
+    /// Response of a model to symbols that never cease: of two inputs b and 1 − b, half the
     /// difference of their gains to ±1, and half their sum for good.
     pub fn response(self, model: &Model, symbol_time_s: f64) -> SymbolResponse {
         let offset_v = model.outputs.first().map_or(0.0, |output| output.offset_c);

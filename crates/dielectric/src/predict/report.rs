@@ -8,34 +8,34 @@ use serde::Serialize;
 use super::locking::Plateau;
 use crate::run::{DeviceRunSummary, PhaseSummary};
 
-/// What is predicted of an experiment.
+/// Prediction of an experiment.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DevicePrediction {
     /// The run of the experiment on the model, under the one-bit rule.
     pub run: DeviceRunSummary,
     /// Shifts that the two symbols can hold for ever, V.
     pub range_v: [f64; 2],
-    /// Whether a symbol 1 raises the shift, as a loop needs it.
+    /// A symbol 1 raises the shift, as a loop needs it.
     pub raises: bool,
-    /// Of every set-point, in the limit of fast symbols.
+    /// Powers of every set-point, in the limit of fast symbols.
     pub held: Vec<HeldPhase>,
     /// Where a loop of first order locks.
     pub plateaus: Vec<Plateau>,
     /// The same phases of a recording, where one is compared with.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub against: Option<Vec<PhaseSummary>>,
-    /// What is said of the model, and of what it is compared with.
+    /// Warnings about the model, and of what it is compared with.
     pub warnings: Vec<String>,
 }
 
-/// What sliding-mode analysis gives of a set-point.
+/// Sliding-mode analysis of a set-point.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct HeldPhase {
     /// Start of its phase, s.
     pub start_s: f64,
     /// Set-point, V.
     pub target_v: f64,
-    /// Whether the two symbols can hold it for ever.
+    /// The two symbols can hold it for ever.
     pub is_reachable: bool,
     /// Mean symbol once all has settled.
     pub steady_symbol: f64,

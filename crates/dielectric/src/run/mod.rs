@@ -31,8 +31,8 @@ use summary::DeviceStatistics;
 /// Runs an experiment from start to end and hands every row to `sink`; rows begin with the first
 /// reading.
 ///
-/// What ends it early after its first row is no error: [`DeviceRunSummary::ended`] has it, and the
-/// rows are kept.
+/// An early end after its first row is no error: [`DeviceRunSummary::ended`] has it, and the rows
+/// are kept.
 ///
 /// # Errors
 /// If it does not come to its first row, or the sink cannot take one. The device is at 0 V then, or
@@ -47,7 +47,7 @@ pub fn run(
     let outcome = start(experiment, controller.as_mut())
         .and_then(|()| conduct(experiment, controller.as_mut(), port, &mut statistics, sink));
     let released = port.release();
-    let hash = controller.digest();
+    let hash = controller.digests().control.value();
     let finished = controller.finish();
     let ended = match outcome {
         Ok(None) => None,
@@ -58,7 +58,7 @@ pub fn run(
         Err(error) => Some(DeviceEnd { why: error.to_string(), released: true }),
     };
     let ended = match (ended, released, finished) {
-        // What comes later decides whether it is at 0 V.
+        // The later outcome decides whether it is at 0 V.
         (Some(end), Ok(()), _) => Some(DeviceEnd { released: true, ..end }),
         (Some(end), Err(error), _) => Some(DeviceEnd { released: error.is_released, ..end }),
         (None, Err(error), _) => Some(DeviceEnd { why: error.sentence, released: error.is_released }),
@@ -68,7 +68,7 @@ pub fn run(
     Ok(statistics.summary(hash, ended))
 }
 
-/// What the phases of an experiment amounted to in a recording of it.
+/// Summaries of the phases of an experiment in a recording of it.
 ///
 /// # Errors
 /// If it has not the columns of this device.

@@ -19,14 +19,14 @@ const MEASURED: [&str; 7] =
 /// The same of the simulation.
 const TRUE: [&str; 2] = [TRUE_VOLTAGE_SHIFT, TRUE_OFFSET_CAPACITANCE];
 
-/// What the rows of an experiment consist of.
+/// Columns of the rows of an experiment.
 pub fn layout(experiment: &DeviceExperiment, simulated: bool) -> RecordingLayout {
     let quantities = MEASURED.into_iter().chain(TRUE.into_iter().filter(|_| simulated));
     let numbers = quantities.map(|quantity| column_name(quantity, &experiment.device.name)).collect();
     RecordingLayout { numbers, ..RecordingLayout::default() }
 }
 
-/// What is known of a recording before its run.
+/// Metadata of a recording before its run.
 pub fn metadata(experiment: &DeviceExperiment, instrument: &str) -> Metadata {
     let pairs = [
         ("title", experiment.title.clone()),

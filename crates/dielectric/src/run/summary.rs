@@ -19,14 +19,14 @@ use crate::experiment::DeviceExperiment;
 pub struct DeviceEnd {
     /// A sentence.
     pub why: String,
-    /// Whether the device is known to be at 0 V.
+    /// The device is known to be at 0 V.
     pub released: bool,
 }
 
-/// What a run amounted to.
+/// Summary of a run.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct DeviceRunSummary {
-    /// Of the experiment.
+    /// Title of the experiment.
     pub title: String,
     /// Name of the device.
     pub device: String,
@@ -40,12 +40,12 @@ pub struct DeviceRunSummary {
     pub without_reading: u32,
     /// The trip, if there was one.
     pub trips: Vec<DeviceTrip>,
-    /// Whether it came to its end.
+    /// It came to its end.
     pub complete: bool,
-    /// What ended it before its time; left out if nothing did.
+    /// Cause of its early end; left out if nothing did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ended: Option<DeviceEnd>,
-    /// Of all states, readings and bits.
+    /// Hash of all states, readings and bits.
     pub hash: String,
     /// Standard uncertainty of one voltage shift by the meter's noise, V.
     pub shift_noise_v: f64,
@@ -60,7 +60,7 @@ pub struct DeviceRunSummary {
 pub struct DeviceTrip {
     /// When, in s after the start.
     pub time_s: String,
-    /// What tripped it.
+    /// Cause of the trip.
     pub cause: &'static str,
 }
 
@@ -69,7 +69,7 @@ pub struct DeviceTrip {
 pub struct PhaseSummary {
     /// Its start, s.
     pub start_s: f64,
-    /// What it is called.
+    /// Name.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub label: String,
     /// Set-point, V, if it holds one.
@@ -86,7 +86,7 @@ pub struct PhaseSummary {
     pub octaves: Vec<StreamOctave>,
 }
 
-/// What is added up.
+/// Sums of a run.
 pub(super) struct DeviceStatistics {
     summary: DeviceRunSummary,
     symbol_time_s: f64,
@@ -235,7 +235,7 @@ const LEAST_DIFFERENCES: usize = 8;
 pub struct StreamOctave {
     /// 2 m T_s, s.
     pub period_s: f64,
-    /// Of symbols of ±1; white noise of independent symbols has 1/m.
+    /// Power of symbols of ±1; white noise of independent symbols has 1/m.
     pub power: f64,
 }
 

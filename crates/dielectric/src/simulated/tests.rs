@@ -67,7 +67,7 @@ fn a_stream_of_symbols_is_linear_where_the_bias_is_not() {
     let (ones, zeros) = (run(&|_| bit(true)), run(&|_| bit(false)));
     let (mixed, opposite) = (run(&|n| bit(n % 3 == 0)), run(&|n| bit(n % 3 != 0)));
     for n in 0..400 {
-        // What two opposite streams add up to, all of ones and all of zeros do.
+        // Streams of ones and of zeros add up as two opposite streams do.
         assert!((mixed[n] + opposite[n] - ones[n] - zeros[n]).abs() < 1e-12, "{n}");
     }
     assert!(ones[399] > 0.3 && zeros[399] < -0.05, "{} {}", ones[399], zeros[399]);

@@ -1,7 +1,7 @@
 //! Ranges and ticks that people would have chosen: steps of 1, 2 or 5 times a power of ten, or
 //! decades on a logarithmic axis; and the extent of values.
 
-/// How values are laid out along an axis.
+/// Scale by which values are laid out along an axis.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Scale {
     #[default]
@@ -27,7 +27,7 @@ pub struct Axis {
 impl Axis {
     /// A range around all finite values, with a little air; 0 stays an end if it is one.
     pub fn around(values: impl IntoIterator<Item = f64>, ticks: usize) -> Self {
-        // Of zeros alone there is no telling what would be small.
+        // Zeros alone do not tell what would be small.
         let Some((low, high)) = extent(values).filter(|ends| *ends != (0.0, 0.0)) else {
             return Self::exactly(0.0, 1.0, ticks);
         };
@@ -78,12 +78,12 @@ impl Axis {
         }
     }
 
-    /// Whether a value has a place on an axis of this scale at all.
+    /// Tells whether a value has a place on an axis of this scale at all.
     pub fn shows(scale: Scale, value: f64) -> bool {
         value.is_finite() && (scale == Scale::Linear || LOG_RANGE.contains(&value))
     }
 
-    /// Whether a value lies within the range.
+    /// Tells whether a value lies within the range.
     pub fn contains(&self, value: f64) -> bool {
         (self.low..=self.high).contains(&value)
     }

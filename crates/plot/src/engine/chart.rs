@@ -1,5 +1,5 @@
-//! What a figure is made of: rows of charts, each with axes, traces, shadings, marks and notes.
-//! Build it, then draw it.
+//! Parts of a figure: rows of charts, each with axes, traces, shadings, marks and notes. Build it,
+//! then draw it.
 //!
 //! Traces may have any number of points: where there are more than a picture can hold, each stretch
 //! of half a point is drawn as its mean within the band of its extremes. The points of a line must
@@ -12,7 +12,7 @@ use super::svg::MM;
 use super::trace::{Trace, TraceStyle};
 use crate::picture::PictureWidth;
 
-/// How strong the ground of a shading is.
+/// Strength of the ground of a shading.
 const GROUND: f64 = 0.1;
 /// Error bars may widen the range of the values by so much on either side, and are cut beyond it.
 const REACH: f64 = 1.0;
@@ -29,7 +29,7 @@ pub struct Figure {
     pub(crate) subtitle: String,
     pub(crate) rows: Vec<Vec<Chart>>,
     pub(crate) width: PictureWidth,
-    /// What stands at the left of the axes, if that is more than its own charts need.
+    /// Room at the left of the axes, if that is more than its own charts need.
     pub(crate) left_rooms: Option<[f64; 3]>,
 }
 
@@ -74,7 +74,7 @@ impl Figure {
     }
 }
 
-/// What a vertical axis shows.
+/// Range of a vertical axis.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) enum Shown {
     /// All that there is.
@@ -86,7 +86,7 @@ pub(crate) enum Shown {
     Degrees(f64, f64),
 }
 
-/// What a chart has besides its traces.
+/// Frame of a chart.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) enum ChartFrame {
     /// Axes with a grid.
@@ -146,7 +146,7 @@ impl Chart {
         Self { caption, unit, height: HEIGHT * MM, x_unit: "s".to_owned(), x_labels: true, ..Self::default() }
     }
 
-    /// What stands above it.
+    /// Words above it.
     pub fn caption(&self) -> &str {
         &self.caption
     }
@@ -190,7 +190,7 @@ impl Chart {
         self
     }
 
-    /// What the x axis shows, if not all there is.
+    /// Range of the x axis, if not all there is.
     pub(crate) fn x_range(mut self, from: f64, to: f64) -> Self {
         self.x_range = Some((from, to));
         self
@@ -209,7 +209,7 @@ impl Chart {
         self
     }
 
-    /// What a linear y axis shows, if not all there is; what is beyond is cut.
+    /// Range of a linear y axis, if not all there is; what is beyond is cut.
     pub fn range(mut self, low: f64, high: f64) -> Self {
         self.shown = Shown::Around(low, high);
         self
@@ -221,7 +221,7 @@ impl Chart {
         self.range(low, high)
     }
 
-    /// What a y axis of angles shows.
+    /// Range of a y axis of angles.
     pub(crate) fn degrees(mut self, (low, high): (f64, f64)) -> Self {
         self.shown = Shown::Degrees(low, high);
         self
@@ -337,7 +337,7 @@ impl Chart {
         (values, cut)
     }
 
-    /// How many values are there that a logarithmic axis cannot show.
+    /// Number of values that a logarithmic axis cannot show.
     pub(crate) fn lost(&self) -> usize {
         let hidden = |scale, value: f64| value.is_finite() && !Axis::shows(scale, value);
         let of = |trace: &Trace| {

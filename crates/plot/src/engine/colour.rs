@@ -32,15 +32,15 @@ pub const PALETTE: [Colour; 8] = [
     rgb(0x22, 0x29, 0x2e),
     rgb(0x72, 0x77, 0x7d),
 ];
-/// Of the gas: pale, as it lies beneath what measures it.
+/// Colour of the gas: pale, as it lies beneath what measures it.
 pub const GAS: Colour = rgb(0xb8, 0xa3, 0xd6);
-/// Of the element that measures it.
+/// Colour of the element that measures it.
 pub const REFERENCE: Colour = rgb(0x6a, 0x3d, 0x9a);
-/// Of a wind estimate over the truth.
+/// Colour of a wind estimate over the truth.
 pub const ESTIMATE: Colour = PALETTE[0];
-/// Of the truth behind an estimate: pale, as it lies beneath.
+/// Colour of the truth behind an estimate: pale, as it lies beneath.
 pub const TRUTH: Colour = rgb(0xf0, 0xb8, 0x78);
-/// Of stretches of time, in turn.
+/// Colours of stretches of time, in turn.
 pub const STRETCHES: [Colour; 2] = [rgb(0xdd, 0xe8, 0xf0), rgb(0xf3, 0xea, 0xd8)];
 
 const fn rgb(red: u8, green: u8, blue: u8) -> Colour {
@@ -178,8 +178,8 @@ mod tests {
         [116.0 * f(1) - 16.0, 500.0 * (f(0) - f(1)), 200.0 * (f(1) - f(2))]
     }
 
-    /// As readers without cones for medium waves see it: Machado, Oliveira and Fernandes 2009,
-    /// severity 1.
+    /// Colour as readers without cones for medium waves see it: Machado, Oliveira and Fernandes
+    /// 2009, severity 1.
     fn deuteranope(linear: [f64; 3]) -> [f64; 3] {
         let matrix =
             [[0.367_322, 0.860_646, -0.227_968], [0.280_085, 0.672_501, 0.047_413], [-0.011_820, 0.042_940, 0.968_881]];

@@ -1,5 +1,5 @@
-//! What stands above a chart: caption and notes, wrapped where they are long, and the legend beside
-//! or below them.
+//! Words above a chart: caption and notes, wrapped where they are long, and the legend beside or
+//! below them.
 
 use super::colour::{Colour, DASHED, INK, Pen, QUIET};
 use super::svg::{Anchor, Rect, Svg};
@@ -28,7 +28,7 @@ pub struct LegendEntry {
 }
 
 pub enum LegendSample {
-    /// Of a trace: its style, pen and width.
+    /// A trace: its style, pen and width.
     Trace(TraceStyle, Pen, f64),
     Shading(Colour),
 }

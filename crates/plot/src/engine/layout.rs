@@ -1,4 +1,4 @@
-//! What a chart of some width needs: axes, words above it, room at its sides. All lengths are in
+//! Needs of a chart of some width: axes, words above it, room at its sides. All lengths are in
 //! points.
 
 use super::axis::Scale;
@@ -202,7 +202,7 @@ impl<'c> ChartLayout<'c> {
         entries
     }
 
-    /// Whether the label of a shading fits in its stretch.
+    /// Tells whether the label of a shading fits in its stretch.
     pub fn has_room(&self, shading: &Shading) -> bool {
         let (left, right) = self.edges(shading.from, shading.to);
         width(&shading.label, SHADING_LABEL) + 3.0 <= right - left

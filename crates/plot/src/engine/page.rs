@@ -1,12 +1,13 @@
 //! The page of a figure: its titles, and its charts in rows as far as its width has room, or only
 //! the panels that are named. All lengths are in points.
 
+use anyhow::bail;
+
 use super::chart::{Chart, ChartFrame, Figure};
 use super::colour::{INK, QUIET};
 use super::layout::{ChartLayout, EDGE, LEAST_NAMED};
 use super::svg::{Anchor, MM, Svg};
 use super::words::two_lines;
-use crate::picture::PlotError;
 
 /// Beyond the right end of the charts: half of the last label.
 const RIGHT: f64 = 12.0;
@@ -28,7 +29,7 @@ impl Figure {
         self.rows.iter().map(row)
     }
 
-    /// Of all charts: what titles, labels and names at the left need.
+    /// Room of all charts: what titles, labels and names at the left need.
     fn most_left_room(&self) -> [f64; 3] {
         let rooms = self.charts().map(|chart| chart.left_room(self.width.points()));
         rooms.fold([0.0; 3], |most, room| std::array::from_fn(|i| f64::max(most[i], room[i])))
@@ -82,7 +83,7 @@ impl Figure {
     }
 }
 
-/// How many of some charts have room side by side: about equally many in each row.
+/// Number of charts that have room side by side: about equally many in each row.
 fn abreast(charts: usize, wide: f64) -> usize {
     let most = ((wide / LEAST_WIDTH) as usize).max(1);
     charts.div_ceil(charts.div_ceil(most).max(1)).max(1)
@@ -94,13 +95,13 @@ impl Figure {
     ///
     /// # Errors
     /// If no caption begins with a name.
-    pub fn only(mut self, names: &[String]) -> Result<Self, PlotError> {
+    pub fn only(mut self, names: &[String]) -> anyhow::Result<Self> {
         let begins = |chart: &Chart, name: &str| chart.caption.to_lowercase().starts_with(&name.to_lowercase());
         if let Some(name) = names.iter().find(|name| name.is_empty() || !self.charts().any(|of| begins(of, name))) {
             let captions = self.charts().filter(|chart| chart.frame != ChartFrame::CloseUp);
             let captions = captions.map(Chart::caption).filter(|caption| !caption.is_empty());
             let panels = captions.collect::<Vec<_>>().join("`, `");
-            return Err(PlotError::Panel { name: name.clone(), panels });
+            bail!("the picture has no panel `{name}`; it has `{panels}`");
         }
         if names.is_empty() {
             return Ok(self);

@@ -85,14 +85,15 @@ impl ChartLayout<'_> {
         }
     }
 
-    /// What the grounds are: in the middle of a strip, at the top of other charts if there is room.
+    /// Labels of the grounds: in the middle of a strip, at the top of other charts if there is
+    /// room.
     fn shading_labels(&self, svg: &mut Svg) {
         for shading in self.chart.shadings.iter().filter(|shading| !shading.label.is_empty()) {
             let (left, right) = self.edges(shading.from, shading.to);
             let (x, y) = Rect { left, right, ..self.rect }.middle();
             if self.chart.frame == ChartFrame::Bare {
                 let label = ended(&shading.label, LABEL, right - left - 4.0);
-                // Of a longer one, three letters at least.
+                // A longer one keeps three letters at least.
                 if label == shading.label || label.chars().count() > 3 {
                     svg.text(&label, (x, y), LABEL, INK, Anchor::Middle);
                 }
@@ -107,8 +108,7 @@ impl ChartLayout<'_> {
         }
     }
 
-    /// What a trace has of bins: its own, or those of a line with more points than a picture can
-    /// hold.
+    /// Bins of a trace: its own, or those of a line with more points than a picture can hold.
     fn bins(&self, trace: &Trace) -> Vec<Bin> {
         let is_line = matches!(trace.style, TraceStyle::Line | TraceStyle::Dashed);
         if is_line && trace.points.len() > POINTS {
@@ -150,8 +150,8 @@ impl ChartLayout<'_> {
         }
     }
 
-    /// How far each trace's stems stand aside: not at all if no two of them have one place, as on a
-    /// grid of rates.
+    /// Distance by which each trace's stems stand aside: not at all if no two of them have one
+    /// place, as on a grid of rates.
     fn shifts(&self) -> Vec<f64> {
         let traces = &self.chart.traces;
         let is_stems = |trace: &&Trace| trace.style == TraceStyle::Stems;

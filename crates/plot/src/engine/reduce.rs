@@ -63,7 +63,7 @@ impl Reach {
         }
     }
 
-    /// As the bin of a stretch.
+    /// Bin of a stretch.
     pub fn bin(self, from_s: f64, to_s: f64) -> Bin {
         Bin { from_s, to_s, least: self.least, most: self.most, mean: self.sum / self.count }
     }
@@ -89,7 +89,7 @@ pub fn bins(time_s: &[f64], values: impl Fn(usize) -> f64, count: usize) -> Vec<
     (0..count).map(bin).collect()
 }
 
-/// What several quantities reach over together, bin by bin. All come from the same times.
+/// Common range of several quantities, bin by bin. All come from the same times.
 pub fn reach<'a>(curves: impl IntoIterator<Item = &'a [Bin]>) -> Vec<Bin> {
     let mut curves = curves.into_iter();
     let mut all = curves.next().unwrap_or_default().to_vec();

@@ -21,7 +21,7 @@ pub struct ScaledAxis {
     factor: f64,
     /// The unit of the labels.
     pub unit: String,
-    /// What the labels count from, if not from zero.
+    /// Origin of the labels, if not from zero.
     pub from: Option<String>,
 }
 
@@ -67,7 +67,7 @@ impl ScaledAxis {
         if Axis::shows(self.scale, value) { self.axis.share((value - self.base) * self.factor) } else { f64::NAN }
     }
 
-    /// Whether a value lies between the ends of the axis.
+    /// Tells whether a value lies between the ends of the axis.
     pub fn contains(&self, value: f64) -> bool {
         // Ends are multiplied by the factor, too, and may be rounded otherwise.
         (-1e-9..=1.0 + 1e-9).contains(&self.share(value))

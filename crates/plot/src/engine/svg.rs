@@ -27,7 +27,7 @@ impl Rect {
     }
 }
 
-/// Which point of a text stands at its place.
+/// Point of a text that stands at its place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Anchor {
     Start,

@@ -37,7 +37,7 @@ pub struct Trace {
     /// The name beside each point.
     pub(crate) names: Vec<String>,
     pub(crate) bins: Vec<Bin>,
-    /// Of the line, points.
+    /// Width of the line, points.
     pub(crate) width: f64,
     /// Opacity of the band of a bin's extremes.
     pub(crate) band: f64,
@@ -79,7 +79,7 @@ impl Trace {
         Self::new(label, TraceStyle::Stems, points)
     }
 
-    /// What was reduced already: means as a line, extremes as a band.
+    /// Bins that were reduced already: means as a line, extremes as a band.
     pub fn bins(label: impl Into<String>, bins: Vec<Bin>) -> Self {
         Self { bins, ..Self::new(label, TraceStyle::Line, Vec::new()) }
     }
@@ -136,7 +136,7 @@ impl Trace {
         self
     }
 
-    /// Whether its points are drawn one by one.
+    /// Tells whether its points are drawn one by one.
     pub(crate) fn is_dotted(&self) -> bool {
         matches!(self.style, TraceStyle::Points | TraceStyle::Stems)
     }

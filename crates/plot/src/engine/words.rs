@@ -148,7 +148,7 @@ fn filled(
 
 /// Size of the labels of axes and lines, points.
 pub const LABEL: f64 = 6.5;
-/// How wide a letter is that the face does not have, of its size.
+/// Width of a letter that the face does not have, as a share of its size.
 const UNKNOWN: f64 = 0.6;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

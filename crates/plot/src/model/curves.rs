@@ -35,7 +35,7 @@ pub fn of(model: &Model, output: &str) -> String {
     if model.outputs.len() > 1 { format!(" of {}", shortened(element(output), 8.0, 120.0)) } else { String::new() }
 }
 
-/// What leads to an output: pair, label and class, in the order of the model's classes.
+/// Parts that lead to an output: pair, label and class, in the order of the model's classes.
 pub fn parts<'m>(model: &'m Model, output: &str) -> Vec<(&'m Pair, &'m String, &'m Class)> {
     let pairs = model.pairs.iter().filter(|pair| pair.output == output);
     let order = |label: &String| model.classes.iter().position(|class| class == label);

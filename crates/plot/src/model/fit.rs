@@ -1,5 +1,5 @@
-//! How well a model follows a record: measured and predicted values over time, how far the offset
-//! moved, residuals and their autocorrelation.
+//! Fit of a model to a record: measured and predicted values over time, how far the offset moved,
+//! residuals and their autocorrelation.
 //!
 //! ```text
 //! e = y − ŷ − d,    fit = 100 (1 − ‖y − ŷ‖ / ‖y − mean y‖) %
@@ -26,7 +26,7 @@ const MOST_BINS: usize = 1460;
 const MOST_STRETCHES: usize = 300;
 /// Residuals beyond so many times what 98 of 100 bins keep within are cut.
 const OUTLIER: f64 = 6.0;
-/// What a drift is unsure by may be more than it moves: its band is cut so many ranges beyond.
+/// The uncertainty of a drift may be more than its motion: its band is cut so many ranges beyond.
 const DRIFT_BEYOND: f64 = 2.0;
 
 /// Some rows in a row.
@@ -35,7 +35,7 @@ struct FitBin {
     from_s: f64,
     /// Measured, predicted, residual, drift and its standard error.
     values: [Reach; 5],
-    /// Of the first row.
+    /// Class of the first row.
     class: usize,
 }
 
@@ -58,7 +58,7 @@ pub struct FitSeries {
     spread: f64,
     unexplained: f64,
     squares: f64,
-    /// Whether the offset moved.
+    /// The offset moved.
     drifts: bool,
     /// The whiteness of the residuals, if it was looked at.
     pub whiteness: Option<Whiteness>,
@@ -134,7 +134,7 @@ impl FitSeries {
         stretches().zip(ends).map(|(first, to_s)| (first.from_s, to_s, first.class)).collect()
     }
 
-    /// Of its residuals, if they were looked at.
+    /// Autocorrelation of its residuals, if they were looked at.
     pub(super) fn autocorrelation(&self, model: &Model) -> Option<Chart> {
         whiteness(model, &self.name, self.whiteness.as_ref(), self.rows)
     }
@@ -181,7 +181,7 @@ impl FitSeries {
         std::iter::once(fit).chain(drift).chain([left]).collect()
     }
 
-    /// How far the offset moved.
+    /// Distance by which the offset moved.
     fn drift(&self, unit: &str) -> Chart {
         let curve: Vec<_> =
             self.bins(3).iter().zip(self.bins(4)).map(|(d, se)| (d.from_s, d.mean, Some(se.mean))).collect();
@@ -298,7 +298,7 @@ mod tests {
                 fit.push(n as f64, measured(n), measured(n) - 0.3, (drift, 0.01), 0);
             }
             assert!((fit.rms().unwrap() - (0.3 - drift)).abs() < 1e-12);
-            // Of what stands, the drift explains nothing.
+            // The drift explains nothing of what stands.
             assert!((fit.unexplained / fit.good - 0.09).abs() < 1e-12);
             fit.charts(&["all".to_owned()]).iter().map(|chart| chart.caption().to_owned()).collect()
         };

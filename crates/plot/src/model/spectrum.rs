@@ -92,7 +92,7 @@ pub fn spectrum(model: &Model, output: &str) -> Chart {
     left_out(chart, parts.len())
 }
 
-/// Whether the greatest of some resistances hide most of the others.
+/// Tells whether the greatest of some resistances hide most of the others.
 fn hides<'r>(resistances: impl Iterator<Item = &'r f64>) -> bool {
     let mut sizes: Vec<f64> = resistances.map(|r| r.abs()).filter(|r| *r > 0.0).collect();
     sizes.sort_by(f64::total_cmp);

@@ -9,7 +9,7 @@ fn texts(svg: &str) -> Vec<&str> {
     svg.lines().filter_map(|line| Some(line.strip_suffix("</text>")?.rsplit_once('>')?.1)).collect()
 }
 
-/// What a picture must not hold, whatever the data.
+/// Asserts what a picture must not hold, whatever the data.
 fn assert_sound(svg: &str) {
     assert!(svg.starts_with("<svg width=\"180mm\""));
     assert!(!svg.contains("NaN") && !svg.contains("inf"), "{:?}", texts(svg));

@@ -29,8 +29,8 @@ pub fn stretches(words: Option<&ColumnWords>) -> Vec<(usize, usize, &str)> {
     words.map_or_else(Vec::new, |words| words.stretches().collect())
 }
 
-/// Whether the row of an estimate counts, for every row of a recording; without such metadata all
-/// do.
+/// Tells whether the row of an estimate counts, for every row of a recording; without such metadata
+/// all do.
 pub fn counted(recording: &Recording, time_s: &[f64]) -> Vec<bool> {
     let number = |key| recording.metadata(key).and_then(|text| text.parse::<f64>().ok()).unwrap_or(0.0);
     let (from_s, settle_s) = (number("counted_from_s"), number("settle_s"));

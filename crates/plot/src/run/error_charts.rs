@@ -178,7 +178,7 @@ mod tests {
 
     #[test]
     fn the_least_and_the_greatest_error_are_in_the_histogram() {
-        // Of so few none is left out.
+        // None of so few is left out.
         let chart = histogram("c", "°", &[0.0, 0.1, 0.3, 1.0], |_| None).unwrap();
         let area = area(&chart);
         assert!((area - 1.0).abs() < 1e-12, "{area}");

@@ -6,6 +6,8 @@
 //! hundred kilobytes in which a single odd tick can still be seen. Charts for which the recording
 //! has no columns are left out.
 
+use anyhow::Context;
+
 use super::columns::{SetPoint, VectorColumns, stretches};
 use super::wind::WindEstimates;
 use crate::engine::axis::extent;
@@ -14,7 +16,6 @@ use crate::engine::colour::{Colour, INK, PALETTE, Pen, REFERENCE, STRETCHES};
 use crate::engine::reduce::{BINS, Bin, MeanPower, bins, mean_power};
 use crate::engine::trace::Trace;
 use crate::engine::words::{brief, power_unit};
-use crate::picture::PlotError;
 use anemometry::vector::length;
 use recording::text::count;
 use recording::{HEATER, POWER, Recording, STATE, TRUE_WIND};
@@ -32,7 +33,7 @@ const STRIP: f64 = 3.9;
 ///
 /// # Errors
 /// If the recording has none of the columns that can be drawn.
-pub fn figure(recording: &Recording) -> Result<Figure, PlotError> {
+pub fn figure(recording: &Recording) -> anyhow::Result<Figure> {
     let run = RunCharts::of(recording)?;
     let estimates = WindEstimates::of(recording, run.time_s);
     let alone = estimates.as_ref().filter(|_| run.elements.is_empty());
@@ -45,7 +46,7 @@ pub fn figure(recording: &Recording) -> Result<Figure, PlotError> {
     charts.extend(run.charge());
     let bits = run.heater_bits();
     charts.extend(bits.iter().map(|[whole, _]| whole.clone()));
-    let Some(last) = charts.len().checked_sub(1) else { return Err(PlotError::Nothing(recording.path.clone())) };
+    let last = charts.len().checked_sub(1).with_context(|| nothing(recording))?;
     let strip = run.over_time(&mut charts, last);
     let figure = Figure::new(run.title()).subtitle(run.subtitle(estimates.as_ref(), alone.is_some()));
     let over_time = strip.into_iter().chain(charts).chain(bits.map(|[_, close_up]| close_up));
@@ -57,11 +58,17 @@ pub fn figure(recording: &Recording) -> Result<Figure, PlotError> {
     })
 }
 
+/// Refusal of a table that neither a run nor an anemometer makes.
+fn nothing(recording: &Recording) -> String {
+    let path = recording.path.display();
+    format!("{path}: holds none of the columns that a run records, such as temperature_c_<element>")
+}
+
 /// A recording, and what all of its charts have in common.
 pub struct RunCharts<'r> {
     pub recording: &'r Recording,
     pub time_s: &'r [f64],
-    /// Of the time axis: to the end of the last tick.
+    /// Ends of the time axis: to the end of the last tick.
     pub ends_s: (f64, f64),
     /// Name and pen.
     pub elements: Vec<(&'r str, Pen)>,
@@ -71,11 +78,9 @@ pub struct RunCharts<'r> {
 }
 
 impl<'r> RunCharts<'r> {
-    fn of(recording: &'r Recording) -> Result<Self, PlotError> {
+    fn of(recording: &'r Recording) -> anyhow::Result<Self> {
         let time_s = recording.time_s()?;
-        let Some(whole) = bins(time_s, |_| 0.0, 1).pop() else {
-            return Err(PlotError::Nothing(recording.path.clone()));
-        };
+        let whole = bins(time_s, |_| 0.0, 1).pop().with_context(|| nothing(recording))?;
         let ends_s = (whole.from_s, if whole.to_s > whole.from_s { whole.to_s } else { whole.from_s + 1.0 });
         let states = stretches(recording.words(STATE).ok()).into_iter();
         let trip = |(row, _, state): (usize, usize, &str)| {

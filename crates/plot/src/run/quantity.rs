@@ -47,14 +47,14 @@ impl Quantity {
         self.estimate.iter().zip(&self.uncertainty).map(around).collect()
     }
 
-    /// What holds nearly all estimates and all of the truth.
+    /// Range that holds nearly all estimates and all of the truth.
     pub fn ends(&self) -> Option<(f64, f64)> {
         let nearly_all = extent_of_most(self.spread().iter().flat_map(|bin| [bin.least, bin.most]));
         let truths = self.truth.iter().flatten().map(|bin| bin.mean);
         extent(nearly_all.into_iter().flat_map(|(low, high)| [low, high]).chain(truths))
     }
 
-    /// Of an angle that has ends: nearly all of it, and a range of a few degrees at least.
+    /// Chart of an angle that has ends: nearly all of it, and a range of a few degrees at least.
     pub fn narrow_chart(&self, chart: Chart, least: f64, most: f64) -> Chart {
         let range = self.ends().map_or((least, most), |(low, high)| {
             let air = (0.05 * (high - low)).max(LEAST_RANGE_DEG / 2.0 - (high - low) / 2.0);

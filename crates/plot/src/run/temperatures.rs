@@ -82,7 +82,7 @@ impl RunCharts<'_> {
         self.elements.iter().filter_map(arrived).reduce(f64::max)
     }
 
-    /// How well the loops hold: from when an element first arrived at its set-point, with a range
+    /// Deviations of the loops: from when an element first arrived at its set-point, with a range
     /// that the rare extremes may leave.
     pub fn deviations(&self) -> Option<Chart> {
         let deviation = |&(name, pen): &(&str, Pen)| {

@@ -42,19 +42,19 @@ const FLAG_ROW: f64 = 3.9;
 /// The wind estimates of a recording.
 pub struct WindEstimates<'r> {
     recording: &'r Recording,
-    /// Those with an estimate, which most ticks do not have.
+    /// Rows with an estimate, which most ticks do not have.
     rows: Vec<usize>,
-    /// Of these rows.
+    /// Times of these rows.
     times_s: Vec<f64>,
     flags: &'r [f64],
     speed_m_s: &'r [f64],
     vector: VectorColumns<'r>,
     truth: Option<VectorColumns<'r>>,
-    /// What the head resolves of a wind.
+    /// Part of a wind that the head resolves.
     comparison: Comparison,
-    /// Whether any of them has a direction; those of a single element have none.
+    /// Any of them has a direction; those of a single element have none.
     has_direction: bool,
-    /// Whether each counts in histograms.
+    /// Each counts in histograms.
     counted: Vec<bool>,
     /// Every estimate beside its truth, where that is known and it counts.
     compared: Vec<Option<WindBesideTruth>>,
@@ -117,7 +117,7 @@ impl<'r> WindEstimates<'r> {
         self.compared.iter().zip(&self.counted).map(|(of, counts)| of.filter(|_| *counts)).collect()
     }
 
-    /// How many winds there are, if they are drawn one by one.
+    /// Number of winds, if they are drawn one by one.
     pub fn sweep(&self) -> Option<usize> {
         (!self.winds.is_empty()).then_some(self.winds.len())
     }
@@ -141,7 +141,7 @@ impl<'r> WindEstimates<'r> {
         all.map(|(label, colour, of)| (label, colour, self.reduced(|row| of[row]))).collect()
     }
 
-    /// How azimuths count, and where north is among them, if the head has a heading.
+    /// Sense in which azimuths count, and where north is among them, if the head has a heading.
     fn azimuth_note(&self) -> String {
         let from = if self.comparison.is_tilted() { "in the head's plane" } else { "from x towards y" };
         let mut note = format!("{from}, where the wind goes to");
@@ -208,7 +208,7 @@ impl<'r> WindEstimates<'r> {
 
     /// Where the estimate has a direction.
     fn estimated(&self, row: usize) -> Option<[f64; 3]> {
-        // What such heads do not determine is no part of their direction.
+        // A component that such heads do not determine is no part of their direction.
         let is_partial = self.comparison.axis.is_some() || self.comparison.normal.is_some();
         let undetermined = if is_partial { 0 } else { QualityFlags::UNDETERMINED.0 };
         let lacking = QualityFlags::FAILED.0 | QualityFlags::NO_DIRECTION.0 | undetermined;
@@ -216,7 +216,7 @@ impl<'r> WindEstimates<'r> {
         has_direction.then(|| self.vector.at(row))
     }
 
-    /// What is visible of it, where it is known and has a direction.
+    /// Visible part of it, where it is known and has a direction.
     fn true_wind(&self, row: usize) -> Option<[f64; 3]> {
         self.truth.map(|truth| self.comparison.visible(truth.at(row))).filter(|wind| length(*wind) > STILL_M_S)
     }

@@ -46,17 +46,17 @@ impl WindBesideTruth {
     }
 }
 
-/// Which angle is compared, and what is compared at all.
+/// Angle that is compared, and what is compared at all.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Comparison {
-    /// Of a head that reports the angle to it only.
+    /// Axis of a head that reports the angle to it only.
     pub axis: Option<[f64; 3]>,
-    /// Of a head that outputs the wind in a plane only.
+    /// Normal of a head that outputs the wind in a plane only.
     pub normal: Option<[f64; 3]>,
 }
 
 impl Comparison {
-    /// As the head that a recording carries resolves winds, or the combination that made it.
+    /// Comparison that the head of a recording, or the combination that made it, allows.
     pub fn of_recording(recording: &Recording) -> Self {
         if let Some(normal) = recording.metadata(PLANE_NORMAL) {
             let numbers: Vec<f64> = normal.split(' ').filter_map(|of| of.parse().ok()).collect();
@@ -77,7 +77,7 @@ impl Comparison {
         }
     }
 
-    /// What the head can output of a wind: of a plane the wind in it.
+    /// Part of a wind that the head can output: of a plane the wind in it.
     pub fn visible(self, wind_m_s: [f64; 3]) -> [f64; 3] {
         self.normal.map_or(wind_m_s, |normal| across(wind_m_s, normal))
     }
@@ -92,7 +92,7 @@ impl Comparison {
         [first, cross(normal, first), normal].map(|axis| dot(wind_m_s, axis))
     }
 
-    /// Whether it is in a plane other than that of x and y.
+    /// Tells whether it is in a plane other than that of x and y.
     pub fn is_tilted(self) -> bool {
         self.normal.is_some_and(|normal| normal[2].abs() < IS_Z)
     }

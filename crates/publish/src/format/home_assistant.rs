@@ -177,7 +177,7 @@ mod tests {
         assert_eq!(message["text"], "trip: open of core");
     }
 
-    /// What the documentation of the integration requires, as a list.
+    /// Requirements of the documentation of the integration, as a list.
     #[test]
     fn the_document_is_what_home_assistant_takes() {
         let document = parsed(&discovery(&examples::layout()));

@@ -1,8 +1,8 @@
 //! Outputs: each in a thread of its own, with a queue of its own.
 //!
-//! What cannot be reached costs the run nothing: one sentence when it fails, one when it works
-//! again, and a new attempt after a second, later after up to half a minute. What it missed in
-//! between is in the recording.
+//! An output that cannot be reached costs the run nothing: one sentence when it fails, one when it
+//! works again, and a new attempt after a second, later after up to half a minute. What it missed
+//! in between is in the recording.
 
 mod mqtt;
 mod scpi;
@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 
 use crate::commands::FeedCommands;
 use crate::feed::{Feed, FeedEvent, FeedItem, FeedLayout, FeedReader, FeedRow, FeedWind};
-use crate::listen::{ListenError, Listening};
+use crate::listen::Listening;
 use crate::target::{PublishFormat, PublishTarget};
 
 /// From one call of `turn` to the next.
@@ -75,7 +75,7 @@ struct Publisher {
     /// Failures in a row.
     failures: u32,
     rate: RowRate,
-    /// Whether it has missed rows.
+    /// It has missed rows.
     is_slow: bool,
 }
 
@@ -145,7 +145,7 @@ impl Publisher {
         }
     }
 
-    fn fail(&mut self, error: &PublishError) {
+    fn fail(&mut self, error: &anyhow::Error) {
         if self.failures == 0 {
             (self.context.report)(&format!("{}: {error}; the recording goes on, trying again", self.target.name));
         }
@@ -155,7 +155,7 @@ impl Publisher {
         self.output = None;
     }
 
-    fn pass(&mut self, item: &FeedItem) -> Result<(), PublishError> {
+    fn pass(&mut self, item: &FeedItem) -> anyhow::Result<()> {
         let Some(output) = &mut self.output else { return Ok(()) };
         match item {
             FeedItem::Row(row) => self.rate.next(row).map_or(Ok(()), |row| output.row(&row)),
@@ -200,10 +200,10 @@ impl RowRate {
     }
 }
 
-/// What outputs need besides the feed.
+/// Context that outputs need besides the feed.
 #[derive(Clone)]
 pub struct PublishContext {
-    /// What listeners may bind to.
+    /// Addresses that listeners may bind to.
     pub listening: Listening,
     /// Where commands go to; without, every command is refused.
     pub commands: Option<FeedCommands>,
@@ -211,32 +211,18 @@ pub struct PublishContext {
     pub report: Arc<dyn Fn(&str) + Send + Sync>,
 }
 
-/// Why an output does not work.
-#[derive(Debug, thiserror::Error)]
-pub enum PublishError {
-    /// It cannot listen.
-    #[error(transparent)]
-    Listen(#[from] ListenError),
-    /// It cannot be reached, or is no more.
-    #[error(transparent)]
-    Io(#[from] io::Error),
-    /// It was reached and refuses.
-    #[error("{0}")]
-    Refused(String),
-}
-
 /// One way out, open.
 pub(super) trait Output: Send {
     /// Sends a row.
-    fn row(&mut self, row: &Arc<FeedRow>) -> Result<(), PublishError>;
+    fn row(&mut self, row: &Arc<FeedRow>) -> anyhow::Result<()>;
 
     /// Sends an event.
-    fn event(&mut self, _event: &FeedEvent) -> Result<(), PublishError> {
+    fn event(&mut self, _event: &FeedEvent) -> anyhow::Result<()> {
         Ok(())
     }
 
-    /// What is to be done several times a second, whether there is a row or not.
-    fn turn(&mut self) -> Result<(), PublishError> {
+    /// Work that is done several times a second, whether there is a row or not.
+    fn turn(&mut self) -> anyhow::Result<()> {
         Ok(())
     }
 

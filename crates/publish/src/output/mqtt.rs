@@ -4,11 +4,14 @@
 //! wait for beside it. A client with a runtime of its own would bring 28 packages for that.
 
 use super::text::{TIMEOUT, resolved};
-use super::{BrokerStream, Output, PublishError};
+use super::{BrokerStream, Output};
 use crate::feed::{FeedEvent, FeedLayout, FeedRow};
 use crate::format::FeedColumns;
 use crate::format::home_assistant::{self, MqttTopics};
 use crate::target::{PublishTarget, PublishWay};
+#[cfg(feature = "tls")]
+use anyhow::Context;
+use anyhow::{anyhow, bail};
 use bytes::BytesMut;
 use mqttbytes::QoS;
 use mqttbytes::v4::{Connect, ConnectReturnCode, Disconnect, LastWill, Login, Packet, PingReq, Publish};
@@ -34,9 +37,9 @@ struct MqttOutput {
 }
 
 /// Connects, and says who is there.
-pub(super) fn open(target: &PublishTarget, layout: &FeedLayout) -> Result<Box<dyn Output>, PublishError> {
+pub(super) fn open(target: &PublishTarget, layout: &FeedLayout) -> anyhow::Result<Box<dyn Output>> {
     let PublishWay::Connection { host, port, is_encrypted } = &target.way else {
-        return Err(PublishError::Refused("MQTT needs a connection".to_owned()));
+        bail!("MQTT needs a connection");
     };
     let address = resolved(&if host.contains(':') { format!("[{host}]:{port}") } else { format!("{host}:{port}") })?;
     let socket = TcpStream::connect_timeout(&address, TIMEOUT)?;
@@ -57,32 +60,30 @@ pub(super) fn open(target: &PublishTarget, layout: &FeedLayout) -> Result<Box<dy
 /// A stream to the broker `host`, whose certificate one of the authorities in `ca_file` has signed,
 /// by the feature `tls`: rustls with ring, 23 packages.
 #[cfg(feature = "tls")]
-fn encrypted(host: &str, socket: TcpStream, target: &PublishTarget) -> Result<Box<dyn BrokerStream>, PublishError> {
+fn encrypted(host: &str, socket: TcpStream, target: &PublishTarget) -> anyhow::Result<Box<dyn BrokerStream>> {
     use rustls::pki_types::pem::PemObject;
     use rustls::pki_types::{CertificateDer, ServerName};
     use rustls::{ClientConfig, ClientConnection, RootCertStore, StreamOwned};
-    let refuse = |sentence: String| PublishError::Refused(sentence);
-    let missing = || refuse("a `ca_file` belongs to it, in a file of addresses".to_owned());
-    let ca_file = target.ca_file.as_deref().ok_or_else(missing)?;
-    let in_file = |error: &dyn std::fmt::Display| refuse(format!("{}: {error}", ca_file.display()));
+    let ca_file = target.ca_file.as_deref().context("a `ca_file` belongs to it, in a file of addresses")?;
+    let in_file = |error: &dyn std::fmt::Display| anyhow!("{}: {error}", ca_file.display());
     let mut roots = RootCertStore::empty();
     for certificate in CertificateDer::pem_file_iter(ca_file).map_err(|error| in_file(&error))? {
         roots.add(certificate.map_err(|error| in_file(&error))?).map_err(|error| in_file(&error))?;
     }
-    let name = ServerName::try_from(host.to_owned()).map_err(|error| refuse(format!("{host}: {error}")))?;
+    let name = ServerName::try_from(host.to_owned()).map_err(|error| anyhow!("{host}: {error}"))?;
     let config = ClientConfig::builder().with_root_certificates(roots).with_no_client_auth();
-    let connection = ClientConnection::new(Arc::new(config), name).map_err(|error| refuse(error.to_string()))?;
+    let connection = ClientConnection::new(Arc::new(config), name)?;
     Ok(Box::new(StreamOwned::new(connection, socket)))
 }
 
 #[cfg(not(feature = "tls"))]
-fn encrypted(_: &str, _: TcpStream, _: &PublishTarget) -> Result<Box<dyn BrokerStream>, PublishError> {
-    Err(PublishError::Refused("this program was built without the feature `tls`".to_owned()))
+fn encrypted(_: &str, _: TcpStream, _: &PublishTarget) -> anyhow::Result<Box<dyn BrokerStream>> {
+    bail!("this program was built without the feature `tls`")
 }
 
 impl MqttOutput {
-    fn connect(&mut self, target: &PublishTarget, layout: &FeedLayout) -> Result<(), PublishError> {
-        // Of the process, too: a second one with the same name would throw the first out.
+    fn connect(&mut self, target: &PublishTarget, layout: &FeedLayout) -> anyhow::Result<()> {
+        // It names the process, too: a second one with the same name would throw the first out.
         let mut connect = Connect::new(format!("anemo_{}_{}", layout.id(), std::process::id()));
         connect.keep_alive = KEEP_ALIVE.as_secs() as u16;
         connect.last_will = Some(LastWill::new(&self.topics.status, "offline", QoS::AtMostOnce, true));
@@ -99,10 +100,10 @@ impl MqttOutput {
                         }
                         code => format!("{code:?}"),
                     };
-                    return Err(PublishError::Refused(format!("the broker refuses: {why}")));
+                    bail!("the broker refuses: {why}");
                 }
                 Some(_) => {}
-                None => return Err(PublishError::Refused("the broker does not answer".to_owned())),
+                None => bail!("the broker does not answer"),
             }
         }
         // From now on reads only see what is there.
@@ -112,33 +113,30 @@ impl MqttOutput {
         self.publish(&status, "online".to_owned(), true)
     }
 
-    fn publish(&mut self, topic: &str, message: String, retain: bool) -> Result<(), PublishError> {
+    fn publish(&mut self, topic: &str, message: String, retain: bool) -> anyhow::Result<()> {
         let mut publish = Publish::new(topic, QoS::AtMostOnce, message);
         publish.retain = retain;
         self.send(|packet| publish.write(packet))
     }
 
-    fn send(
-        &mut self,
-        write: impl FnOnce(&mut BytesMut) -> Result<usize, mqttbytes::Error>,
-    ) -> Result<(), PublishError> {
+    fn send(&mut self, write: impl FnOnce(&mut BytesMut) -> Result<usize, mqttbytes::Error>) -> anyhow::Result<()> {
         let mut packet = BytesMut::new();
-        write(&mut packet).map_err(|error| PublishError::Refused(format!("no message of MQTT: {error}")))?;
+        write(&mut packet).map_err(|error| anyhow!("no message of MQTT: {error}"))?;
         self.stream.write_all(&packet)?;
         Ok(self.stream.flush()?)
     }
 
     /// The next packet of the broker, if one comes within the time that reads wait.
-    fn packet(&mut self) -> Result<Option<Packet>, PublishError> {
+    fn packet(&mut self) -> anyhow::Result<Option<Packet>> {
         loop {
             match mqttbytes::v4::read(&mut self.received, MOST_RECEIVED) {
                 Ok(packet) => return Ok(Some(packet)),
                 Err(mqttbytes::Error::InsufficientBytes(_)) => {}
-                Err(error) => return Err(PublishError::Refused(format!("this is no broker: {error}"))),
+                Err(error) => bail!("this is no broker: {error}"),
             }
             let mut chunk = [0; 256];
             match self.stream.read(&mut chunk) {
-                Ok(0) => return Err(PublishError::Refused("the broker closed the connection".to_owned())),
+                Ok(0) => bail!("the broker closed the connection"),
                 Ok(bytes) => {
                     self.received.extend_from_slice(&chunk[..bytes]);
                     self.heard = Instant::now();
@@ -153,19 +151,19 @@ impl MqttOutput {
 }
 
 impl Output for MqttOutput {
-    fn row(&mut self, row: &Arc<FeedRow>) -> Result<(), PublishError> {
+    fn row(&mut self, row: &Arc<FeedRow>) -> anyhow::Result<()> {
         let message = home_assistant::state(&self.columns, row);
         self.publish(&self.topics.state.clone(), message, true)
     }
 
-    fn event(&mut self, event: &FeedEvent) -> Result<(), PublishError> {
+    fn event(&mut self, event: &FeedEvent) -> anyhow::Result<()> {
         self.publish(&self.topics.event.clone(), home_assistant::event(event), false)
     }
 
-    fn turn(&mut self) -> Result<(), PublishError> {
+    fn turn(&mut self) -> anyhow::Result<()> {
         while self.packet()?.is_some() {}
         if self.heard.elapsed() > 2 * KEEP_ALIVE {
-            return Err(PublishError::Refused("the broker does not answer".to_owned()));
+            bail!("the broker does not answer");
         }
         // Only its answers show that a broker is there, so it is asked even while rows go out.
         if self.asked.elapsed() > KEEP_ALIVE / 2 {
@@ -187,7 +185,7 @@ impl Output for MqttOutput {
 mod tests {
     use super::*;
 
-    /// What answers at a broker's port may be anything.
+    /// Anything may answer at a broker's port.
     #[test]
     fn no_bytes_break_the_reader_of_packets() {
         let mut state = 1_u64;

@@ -1,10 +1,11 @@
 //! SCPI by TCP: a thread a connection, since the answer to a command may take seconds.
 
 use super::scpi_session::{ScpiInstrument, ScpiLatest, ScpiSession};
-use super::{Output, PublishContext, PublishError, text};
+use super::{Output, PublishContext, text};
 use crate::feed::{FeedLayout, FeedRow, lock};
 use crate::listen::Listener;
 use crate::target::{PublishTarget, PublishWay};
+use anyhow::bail;
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -29,9 +30,9 @@ pub(super) fn open(
     target: &PublishTarget,
     layout: &FeedLayout,
     context: &PublishContext,
-) -> Result<Box<dyn Output>, PublishError> {
+) -> anyhow::Result<Box<dyn Output>> {
     let PublishWay::Listener(at) = &target.way else {
-        return Err(PublishError::Refused("SCPI needs a listener".to_owned()));
+        bail!("SCPI needs a listener");
     };
     let listener = context.listening.bind(text::resolved(at)?)?;
     let instrument = Arc::new(ScpiInstrument {
@@ -44,7 +45,7 @@ pub(super) fn open(
 }
 
 impl Output for ScpiOutput {
-    fn row(&mut self, row: &Arc<FeedRow>) -> Result<(), PublishError> {
+    fn row(&mut self, row: &Arc<FeedRow>) -> anyhow::Result<()> {
         let mut latest = lock(&self.instrument.latest);
         if row.wind.is_some() {
             latest.wind.clone_from(&row.wind);
@@ -53,7 +54,7 @@ impl Output for ScpiOutput {
         Ok(())
     }
 
-    fn turn(&mut self) -> Result<(), PublishError> {
+    fn turn(&mut self) -> anyhow::Result<()> {
         while let Some(stream) = self.listener.accept()? {
             if self.sessions.load(Ordering::Relaxed) >= MOST_SESSIONS {
                 continue;

@@ -13,8 +13,8 @@
 //! | `SOURce:TEMPerature "<element>",<°C>`, `SYSTem:MARK "<text>"` | set-point; event mark |
 //! | `SOURce:PRESsure <Pa>` | pressure of the gas, as a barometer elsewhere measures it |
 //!
-//! What is not known, or not valid, is 9.91E37, the standard's not-a-number. The crate `scpi` was
-//! weighed: it depends on releases of `lexical-core` with known unsoundness.
+//! A value that is not known, or not valid, is 9.91E37, the standard's not-a-number. The crate
+//! `scpi` was weighed: it depends on releases of `lexical-core` with known unsoundness.
 
 use crate::commands::{FeedCommand, FeedCommands};
 use crate::feed::{FeedLayout, FeedRow, FeedWind, lock};
@@ -23,7 +23,7 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-/// What sessions show, and whom they ask.
+/// Instrument that sessions show, and whom they ask.
 pub(super) struct ScpiInstrument {
     pub(super) layout: FeedLayout,
     pub(super) latest: Mutex<ScpiLatest>,
@@ -177,7 +177,7 @@ fn number(number: Option<f32>) -> String {
     number.filter(|number| number.is_finite()).map_or(NOT_A_NUMBER.to_owned(), |number| format!("{number}"))
 }
 
-/// Whether a header is a pattern's: each word long or short, in letters of any case.
+/// Tells whether a header is a pattern's: each word long or short, in letters of any case.
 fn matches(header: &str, pattern: &str) -> bool {
     let (header, pattern) = (header.split(':'), pattern.split(':'));
     let is_word = |word: &str, long: &str| {

@@ -26,7 +26,7 @@ const SPECTRUM: Duration = Duration::from_secs(1);
 /// Between two signs of life, without which nobody notices that a page was closed.
 const SIGN: Duration = Duration::from_secs(5);
 
-/// What all listeners share.
+/// State that all listeners share.
 #[derive(Clone)]
 pub struct Served {
     pub state: Arc<Mutex<PageState>>,
@@ -105,7 +105,7 @@ impl Served {
         }
     }
 
-    /// What is new to a listener, and whether it is the last.
+    /// News for a listener, and whether it is the last.
     fn news(&self, window: usize, seen: &mut Seen) -> (String, bool) {
         let state = lock(&self.state);
         let mut text = String::new();
@@ -141,11 +141,11 @@ impl Served {
     }
 }
 
-/// How far a listener has come.
+/// Place to which a listener has come.
 struct Seen {
     epoch: Option<u64>,
     events: u64,
     rows: u64,
-    /// Of the bucket that was sent last.
+    /// Number of the bucket that was sent last.
     id: i64,
 }

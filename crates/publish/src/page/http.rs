@@ -1,5 +1,5 @@
-//! As much of HTTP/1.1 as one page needs: a request with a small body, one answer, end. Headers are
-//! parsed by `httparse`, the parser of hyper.
+//! The part of HTTP/1.1 that one page needs: a request with a small body, one answer, end. Headers
+//! are parsed by `httparse`, the parser of hyper.
 //!
 //! The page is one file: its styles and scripts are put in where its text names them.
 
@@ -88,7 +88,8 @@ impl PageRequest {
     }
 }
 
-/// What no other page may do with ours: frame it, load from it, guess its type, see its address.
+/// Headers that forbid what no other page may do with ours: frame it, load from it, guess its type,
+/// see its address.
 const HEADERS: &str = "Content-Security-Policy: default-src 'none'; script-src 'unsafe-inline'; \
     style-src 'unsafe-inline'; img-src data:; connect-src 'self'; base-uri 'none'; form-action 'none'; \
     frame-ancestors 'none'\r\n\

@@ -32,7 +32,7 @@ pub struct LayoutMessage<'a> {
     channels: &'a [PageChannel],
     /// Names of the quality flags, by their bits.
     flags: Vec<&'static str>,
-    /// Whether commands are taken.
+    /// Commands are taken.
     commands: bool,
 }
 
@@ -128,7 +128,7 @@ impl<'a> RowsMessage<'a> {
 pub struct SpectrumMessage<'a> {
     #[serde(flatten)]
     pub spectrum: NoiseSpectrum,
-    /// Of the channel.
+    /// Unit of the channel.
     pub unit: &'a str,
 }
 

@@ -38,11 +38,11 @@ use state::PageState;
 const QUEUE: usize = 1 << 16;
 /// Listeners at one time.
 const MOST_LISTENERS: usize = 16;
-/// How often threads look whether they shall end.
+/// Interval at which threads look whether they shall end.
 const WAIT: Duration = Duration::from_millis(100);
 /// Between two looks whether somebody has come.
 const LOOK: Duration = Duration::from_millis(20);
-/// How long the last pictures may take to reach their pages.
+/// Time that the last pictures may take to reach their pages.
 const FAREWELL: Duration = Duration::from_secs(1);
 
 /// A page that is being served, until it is dropped.
@@ -95,7 +95,7 @@ impl Drop for LivePage {
     fn drop(&mut self) {
         self.stopping.store(true, Ordering::Relaxed);
         for thread in self.threads.drain(..) {
-            // What a thread had to say is gone with its page.
+            // The message of a thread is gone with its page.
             let _ = thread.join();
         }
         let begun = Instant::now();

@@ -24,7 +24,7 @@ pub struct PageEvent {
     pub time_s: f64,
     /// Class of its line.
     pub kind: &'static str,
-    /// What happened.
+    /// Text of the event.
     pub text: String,
 }
 
@@ -37,7 +37,7 @@ pub struct PageState {
     pub latest: Option<Arc<FeedRow>>,
     /// The latest wind estimate.
     pub wind: Option<FeedWind>,
-    /// How many rows there have been.
+    /// Number of rows so far.
     pub rows: u64,
     /// Cause and place of the trip that is not acknowledged yet.
     pub trip: Option<String>,
@@ -46,7 +46,7 @@ pub struct PageState {
     /// Rows that the feed has dropped, as this page was too slow.
     pub missed: u64,
     events: VecDeque<PageEvent>,
-    /// How many events there have been.
+    /// Number of events so far.
     pub event_count: u64,
     /// Counts how often time started anew: what a page has is of no use then.
     pub epoch: u64,
@@ -192,17 +192,17 @@ impl PageState {
 /// One number of every row.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 pub struct PageChannel {
-    /// What it is, with its unit: the beginning of the recording's column.
+    /// Quantity with its unit: the beginning of the recording's column.
     pub quantity: &'static str,
-    /// Of which element or surface; empty for the whole instrument.
+    /// Element or surface; empty for the whole instrument.
     pub of: String,
     /// For people.
     pub name: String,
     /// Unit of the quantity.
     pub unit: &'static str,
-    /// Which of the head's elements it is of, for its colour.
+    /// Number of its element in the head, for its colour.
     pub place: Option<usize>,
-    /// Whether its noise has a meaning.
+    /// Its noise has a meaning.
     pub noisy: bool,
 }
 

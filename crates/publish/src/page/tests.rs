@@ -198,7 +198,7 @@ fn commands_are_carried_out_by_the_run_or_refused_by_its_sentence() {
     assert_eq!(set, (200, r#"{"done":"Set-point of left: -12.5 °C."}"#.to_owned()));
     let set = FeedCommand::SetPoint { element: "left".to_owned(), temperature_c: -12.5 };
     assert_eq!(run.join().unwrap(), [FeedCommand::Start, set]);
-    // What is no command of ours does not reach the run.
+    // A foreign command does not reach the run.
     for (headers, body) in [(&json[..], "{}"), (&json, "\"heat\""), (&[], "\"stop\"")] {
         assert_eq!(command(headers, body).0, 409, "{body}");
     }

@@ -16,7 +16,7 @@ pub struct Bucket {
     channels: Vec<ChannelRange>,
 }
 
-/// What one channel was in a bucket.
+/// Range of one channel in a bucket.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct ChannelRange {
     low: f32,

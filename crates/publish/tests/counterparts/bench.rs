@@ -1,4 +1,4 @@
-//! What the tests share: programs, ports, a feed with a wind that is known.
+//! Common parts of the tests: programs, ports, a feed with a wind that is known.
 
 use dr_core::wind::QualityFlags;
 use publish::feed::{Feed, FeedItem, FeedLayout, FeedRow, FeedWind};
@@ -48,7 +48,7 @@ impl Running {
         command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().map(Self)
     }
 
-    /// What it printed, when it has ended by itself.
+    /// Output of a program that has ended by itself.
     pub fn printed(mut self) -> Result<String, Box<dyn Error>> {
         let deadline = Instant::now() + PATIENCE;
         while self.0.try_wait()?.is_none() {
@@ -141,7 +141,7 @@ impl Run {
         Ok(Self { feed, sentences, publishing: Some(publishing), is_over, rows: Some(rows) })
     }
 
-    /// Whether a sentence was reported that contains this.
+    /// Tells whether a sentence was reported that contains this.
     pub fn has_said(&self, part: &str) -> bool {
         self.sentences.lock().expect("no panic").iter().any(|sentence| sentence.contains(part))
     }

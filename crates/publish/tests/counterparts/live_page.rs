@@ -18,12 +18,12 @@ use crate::bench;
 const DRAWN_MS: f64 = 2000.0;
 /// A trip is seen after this.
 const TRIP_MS: f64 = 500.0;
-/// What an hour at 1 kHz may take in the tab.
+/// Memory that an hour at 1 kHz may take in the tab.
 const MEMORY_MB: f64 = 300.0;
 const HOUR: u32 = 3_600_000;
 const ELEMENTS: [&str; 6] = ["sector1", "sector2", "sector3", "sector4", "core1", "core2"];
 
-/// What a screen reader calls what there is.
+/// Names by which a screen reader calls what there is.
 const NAMES: [&str; 16] = [
     "heading \"Gusts\"",
     "status: Running",
@@ -59,8 +59,8 @@ fn row(n: u32, state: &str) -> FeedItem {
     }))
 }
 
-/// How many programs share a processor, by the minute before: times are those of a machine that
-/// does nothing else.
+/// Number of programs that share a processor, by the minute before: times are those of a machine
+/// that does nothing else.
 fn load() -> f64 {
     let load = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
     let waiting = load.split(' ').next().and_then(|load| load.parse::<f64>().ok()).unwrap_or(0.0);

@@ -24,7 +24,7 @@ fn broker(folder: &Path, address: SocketAddr, more: &str) -> Result<Option<Runni
     Ok(Some(running))
 }
 
-/// What a subscriber to everything hears: `topic message`, one a line.
+/// Messages that a subscriber to everything hears: `topic message`, one a line.
 struct Subscriber {
     _program: Running,
     heard: Arc<Mutex<Vec<String>>>,

@@ -137,7 +137,7 @@ const OF_DEVICES: [(&str, &str, &str); 9] = [
     (TRUE_OFFSET_CAPACITANCE, "F", "offset of the capacitance of the simulation"),
 ];
 
-/// What a column of a recording holds: its unit, and a few words. None for a column of others.
+/// Description of a column of a recording: its unit, and a few words. None for a column of others.
 pub(crate) fn described(column: &str) -> Option<(&'static str, String)> {
     if let Some(element) = element_of(column) {
         let of = OF_ELEMENTS.iter().find(|(quantity, ..)| column.strip_prefix(quantity) == Some(element));

@@ -32,7 +32,7 @@ pub(super) fn names(columns: &[(String, ColumnKind)]) -> Vec<String> {
     columns.iter().flat_map(of).collect()
 }
 
-/// What is known of a column in the interval.
+/// Values of a column in the interval.
 enum Gathered {
     First(f64),
     Extent { sum: f64, count: f64, least: f64, greatest: f64 },
@@ -86,7 +86,7 @@ impl Gathered {
 pub(super) struct RowDecimator {
     every_s: f64,
     kinds: Vec<ColumnKind>,
-    /// Which interval the rows are of, if there are any.
+    /// Interval of the rows, if there are any.
     interval: Option<f64>,
     gathered: Vec<Gathered>,
 }

@@ -99,7 +99,7 @@ impl Journal {
         Ok(())
     }
 
-    /// What comes goes to another file.
+    /// Sends what comes to another file.
     #[cfg(all(test, feature = "parquet"))]
     pub fn replace_writer(&mut self, file: File, columns: &[(String, ColumnKind)]) {
         self.csv = CsvWriter::new(file, columns, &Metadata::new()).unwrap();
@@ -130,7 +130,7 @@ pub(super) fn take_over(path: &Path) -> io::Result<File> {
     }
 }
 
-/// Whether a journal is of a recording that goes on.
+/// Tells whether a journal is of a recording that goes on.
 pub(super) fn is_held(path: &Path) -> bool {
     let file = regular::open(path);
     file.and_then(|file| lock(&file)).is_err_and(|error| error.kind() == io::ErrorKind::WouldBlock)
@@ -144,7 +144,7 @@ fn lock(file: &File) -> io::Result<()> {
     }
 }
 
-/// Whether a file still has its name.
+/// Tells whether a file still has its name.
 fn is_still(file: &File, path: &Path) -> io::Result<bool> {
     match Handle::from_path(path) {
         Ok(named) => Ok(named == Handle::from_file(file.try_clone()?)?),

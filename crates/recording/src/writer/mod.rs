@@ -49,7 +49,7 @@ pub struct RecordingWriter {
     table: Option<TableWriter>,
     asked_for_room: Instant,
     journal: Option<Journal>,
-    /// Of a folder.
+    /// Segments of a folder.
     segments: Option<Segments>,
     /// The journal alone has the segment's rows: the disk had no room for its end.
     waits_for_room: bool,
@@ -71,7 +71,7 @@ impl RecordingWriter {
         Self::with_options(path, layout, metadata, &WriterOptions::default())
     }
 
-    /// As [`RecordingWriter::create`], and says how the recording is kept while it grows.
+    /// Like [`RecordingWriter::create`], with options.
     ///
     /// # Errors
     /// As [`RecordingWriter::create`].
@@ -168,7 +168,7 @@ impl RecordingWriter {
             let outcome = self.begin_segment();
             self.unless_full(outcome)?;
         }
-        // What has been closed may have made the room that was missing.
+        // The closed file may have made the room that was missing.
         for _ in 0..2 {
             if self.table.is_none() {
                 break;
@@ -268,7 +268,7 @@ impl RecordingWriter {
         Ok(())
     }
 
-    /// Whether rows are left out, since the disk is full.
+    /// Tells whether rows are left out, since the disk is full.
     fn lacks_room(&self) -> bool {
         self.table.is_none()
     }
@@ -332,8 +332,8 @@ fn in_journal(
     journal.as_mut().map_or(Ok(()), |journal| work(journal).map_err(unwritten(&journal.path)))
 }
 
-/// Whether a recording's name is a folder's: without extension, or of one that is there. `.csv` is
-/// a name that has been forgotten.
+/// Tells whether a recording's name is a folder's: without extension, or of one that is there.
+/// `.csv` is a name that has been forgotten.
 fn is_folder(path: &Path) -> bool {
     let Some(name) = path.file_name() else { return false };
     let hidden = name.to_string_lossy().strip_prefix('.').map(|name| Path::new("r").with_extension(name));

@@ -19,7 +19,7 @@ use crate::utc::seconds_of;
 /// Rows that may wait for the disk: a minute at 1 kHz. Then the instrument waits, too.
 const MOST_WAITING: usize = 60_000;
 
-/// What the thread tells.
+/// News of the thread.
 #[derive(Default)]
 struct WriterNews {
     lacks_room: AtomicBool,
@@ -86,7 +86,7 @@ impl Recorder {
         if let Some(Ok(())) = sent { Ok(()) } else { self.end().map(drop) }
     }
 
-    /// Whether rows are left out, since the disk is full.
+    /// Tells whether rows are left out, since the disk is full.
     pub fn lacks_room(&self) -> bool {
         self.news.lacks_room.load(Relaxed)
     }
@@ -96,7 +96,7 @@ impl Recorder {
         self.news.left_out.load(Relaxed)
     }
 
-    /// Which segment is written, from 1.
+    /// Number of the segment that is written, from 1.
     pub fn segment(&self) -> u32 {
         self.news.segment.load(Relaxed)
     }
@@ -124,7 +124,7 @@ impl Recorder {
 }
 
 impl Drop for Recorder {
-    /// What has been pushed is in the journal, where there is one.
+    /// The pushed rows are in the journal, where there is one.
     fn drop(&mut self) {
         if let Ok(Some(writer)) = self.end() {
             writer.discard_if_empty();

@@ -1,4 +1,4 @@
-//! What a journal has kept of a recording that was cut short becomes a closed file.
+//! The rows that a journal has kept of a recording that was cut short become a closed file.
 
 use std::fs::DirEntry;
 use std::io::ErrorKind;
@@ -15,12 +15,12 @@ use crate::parts::{
 use crate::reader::RecordingReader;
 use crate::temporary::{Temporary, sync_name};
 
-/// What [`recover`] has done.
+/// Outcome of [`recover`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Recovered {
     /// The file that has the rows now.
     pub file: PathBuf,
-    /// How many.
+    /// Number of rows.
     pub rows: u64,
     /// The journal as it was, put aside if a disk has damaged it: lines cannot be read, or a
     /// checksum is not that of the lines before; it keeps its rows where `file` has none.
@@ -149,7 +149,7 @@ fn ended(unread: u64, damaged: u64) -> Metadata {
     incomplete(ended)
 }
 
-/// What a file says that does not end as it was meant to.
+/// Metadata of a file that does not end as it was meant to.
 pub(super) fn incomplete(why: String) -> Metadata {
     vec![("complete".to_owned(), "false".to_owned()), ("ended".to_owned(), why)]
 }

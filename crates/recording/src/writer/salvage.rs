@@ -1,4 +1,4 @@
-//! What can be read of a journal, whose end may be torn and whose bytes damaged.
+//! Readable part of a journal, whose end may be torn and whose bytes damaged.
 //!
 //! Only whole rows: as many fields as there are columns, and a number wherever one belongs. Where
 //! none begins, the search goes on with the next line. Whether a digit became another digit, the
@@ -116,8 +116,8 @@ impl Salvage {
         })
     }
 
-    /// Whether the lines begin a row that the end of the file cuts off in a quoted text: then no
-    /// other row begins in them.
+    /// Tells whether the lines begin a row that the end of the file cuts off in a quoted text: then
+    /// no other row begins in them.
     fn is_torn(&self) -> bool {
         self.lines.len() < MOST_LINES
             && !self.lines.iter().flatten().filter(|&&byte| byte == b'"').count().is_multiple_of(2)
@@ -141,7 +141,7 @@ fn is_time(field: &[u8]) -> bool {
     std::str::from_utf8(field).is_ok_and(|field| field.trim().parse::<f64>().is_ok())
 }
 
-/// Whether these can be the names of so many columns.
+/// Tells whether these can be the names of so many columns.
 fn are_names(names: &[String], columns: usize) -> bool {
     names.len() == columns
         && duplicate(names.iter().map(String::as_str)).is_none()
@@ -167,8 +167,8 @@ fn cells_of<'a>(record: &'a csv::StringRecord, columns: &[(String, ColumnKind)])
 }
 
 pub(super) struct Soundness {
-    /// Whether what stands above the rows is as it was written; none without any checksum, as in a
-    /// journal of an earlier version.
+    /// Text above the rows is as it was written; none without any checksum, as in a journal of an
+    /// earlier version.
     pub head: Option<bool>,
     /// Stretches between two checksums that are not.
     pub damaged: u64,

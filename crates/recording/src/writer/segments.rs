@@ -20,13 +20,13 @@ use crate::temporary::sync_name;
 /// A recording in a folder that another one continues.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordingSoFar {
-    /// What its last segment says of itself.
+    /// Metadata of its last segment.
     pub metadata: Metadata,
     /// Time of its last row, s.
     pub last_s: f64,
 }
 
-/// What is in a folder, if it is there and has a closed segment.
+/// Segments of a folder, if it is there and has a closed segment.
 ///
 /// # Errors
 /// If the last segment cannot be read.
@@ -44,7 +44,7 @@ pub fn so_far(folder: &Path) -> Result<Option<RecordingSoFar>, RecordingError> {
     Ok(Some(RecordingSoFar { metadata: reader.metadata(), last_s }))
 }
 
-/// Whether a program is recording into a folder.
+/// Tells whether a program is recording into a folder.
 pub fn is_being_written(folder: &Path) -> bool {
     is_held(&journal_in(folder))
 }
@@ -113,7 +113,7 @@ impl Segments {
         let _ = std::fs::remove_dir(&self.folder);
     }
 
-    /// Whether a row belongs into the next segment.
+    /// Tells whether a row belongs into the next segment.
     pub fn ends_before(&self, time_s: f64, bytes: u64) -> bool {
         self.begin_s.is_some_and(|begin_s| match self.length {
             // A row's time may be rounded.
@@ -160,7 +160,7 @@ impl Default for SegmentLength {
     }
 }
 
-/// What is no length.
+/// A text that is no length.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "`{0}`: a time from 1 s to 100 years (30s, 10min, 1h, 1d) or a size from 1 kB to 1 TB (500kB, 64MB, 1GB) belongs here"
@@ -206,25 +206,25 @@ impl fmt::Display for SegmentLength {
     }
 }
 
-/// How a recording is kept while it grows.
+/// Options of a recording that grows.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct WriterOptions {
-    /// Whether a file has a journal beside it, from which its rows can be had if the program is
-    /// killed. A folder always has one.
+    /// A file has a journal beside it, from which its rows can be had if the program is killed. A
+    /// folder always has one.
     pub has_journal: bool,
-    /// Of a folder.
+    /// Length of a folder's segments.
     pub segment: SegmentLength,
-    /// Whether rows carry the moment at which they arrived. Every file ends then with the drift of
-    /// the instrument's clock by that of the host.
+    /// Rows carry the moment at which they arrived. Every file ends then with the drift of the
+    /// instrument's clock by that of the host.
     pub has_utc: bool,
-    /// Of a folder: go on behind the segments that are there, which have the same columns.
+    /// For a folder: go on behind the segments that are there, which have the same columns.
     pub appends: bool,
-    /// Of a folder: remove segments whose rows are older than this, s.
+    /// For a folder: remove segments whose rows are older than this, s.
     pub keep_s: Option<f64>,
-    /// Of a folder: write mean, least and greatest of so many seconds into a folder in it.
+    /// For a folder: write mean, least and greatest of so many seconds into a folder in it.
     pub every_s: Option<f64>,
-    /// Of a folder: close the segment when the disk is full, leave rows out, and begin the next one
-    /// when there is room. Without it, a full disk is an error.
+    /// For a folder: close the segment when the disk is full, leave rows out, and begin the next
+    /// one when there is room. Without it, a full disk is an error.
     pub outlasts_full_disk: bool,
 }
 

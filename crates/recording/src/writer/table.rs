@@ -1,6 +1,6 @@
 //! A file of either format that appears when it is complete.
 //!
-//! Of measured rows it ends with the drift of the board's clock by that of its host: a straight
+//! A file of measured rows ends with the drift of the board's clock by that of its host: a straight
 //! line by least squares through the moments at which rows arrived.
 //!
 //! ```text
@@ -33,7 +33,7 @@ pub(super) struct TableWriter {
     sink: Box<dyn RowSink + Send>,
     // Declared after the sink: the file is closed before it is removed.
     temporary: Temporary,
-    /// Of a table with times and moments.
+    /// Clock of a table with times and moments.
     clock: Option<ClockFit>,
 }
 

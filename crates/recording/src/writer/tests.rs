@@ -64,7 +64,7 @@ fn start(path: &Path, segment: SegmentLength) -> Result<RecordingWriter, Recordi
     RecordingWriter::with_options(path, layout(), &vec![("head_name".to_owned(), "test".to_owned())], &options)
 }
 
-/// As if the program was killed: nothing is closed, and the system keeps what it was handed.
+/// Ends as if the program was killed: nothing is closed, and the system keeps what it was handed.
 fn kill(mut writer: RecordingWriter) -> PathBuf {
     let journal = writer.journal.as_mut().unwrap();
     journal.sync().unwrap();
@@ -173,7 +173,7 @@ fn a_journal_may_end_anywhere() {
     assert_eq!((counts.first(), counts.last()), (Some(&0), Some(&40)));
 }
 
-/// What a disk has damaged in the midst costs the lines that it hit, and nothing is thrown away.
+/// Damage in the midst costs the lines that it hit, and nothing is thrown away.
 #[test]
 fn a_damaged_journal_keeps_the_rows_that_can_be_read() {
     let outer = tempfile::tempdir().unwrap();
@@ -283,7 +283,7 @@ fn a_segment_that_could_not_be_closed_is_closed_when_there_is_room() {
     for n in 0..30 {
         push(&mut writer, n);
     }
-    // As its end has failed.
+    // Its end has failed.
     (writer.table, writer.waits_for_room) = (None, true);
     writer.begin_segment().unwrap();
     for n in 30..50 {
@@ -305,7 +305,7 @@ fn a_disk_without_room_is_known_within_the_error_of_a_format() {
     assert!(!unwritten(Path::new("a"))(std::io::Error::other("else")).lacks_room());
 }
 
-/// What bears a journal's name and is none keeps nothing else from being recovered.
+/// A folder with a journal's name keeps nothing else from being recovered.
 #[test]
 fn folders_named_like_journals_are_passed_over() {
     let outer = tempfile::tempdir().unwrap();
@@ -378,7 +378,7 @@ fn a_recorder_writes_as_its_writer_does_and_a_silent_instrument_loses_nothing() 
     assert_eq!(names(outer.path()), ["run.parquet"]);
 }
 
-/// Of the rows before the first that the disk refused none is lost.
+/// No row before the first that the disk refused is lost.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_costs_no_row_that_it_had() {

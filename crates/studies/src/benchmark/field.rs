@@ -20,7 +20,7 @@ use super::wind::{SPHERE_B, chain};
 use crate::table::ResultTable;
 use crate::thesis::StudyLab;
 
-/// Of the first specimen.
+/// Seed of the first specimen.
 const SEED: u64 = 41;
 /// Names of the experiments of `experiments/field`, each with what is otherwise in it, by what it
 /// is corrected, and with which standard uncertainty of its gas, K.
@@ -30,16 +30,16 @@ const EFFECTS: [(&str, &str, SlowErrorKind, Option<f64>); 4] = [
     ("sky", "sky of 180 K, emissivity 0.13", SlowErrorKind::Offsets, Some(SKY_K)),
     ("drifts", "gain −5 %, R₀ +0.01 %, contact −20 %, one sector each", SlowErrorKind::Gains, None),
 ];
-/// What is known of a gas that a reference in sight of the sky reads, K.
+/// Uncertainty of a gas that a reference in sight of the sky reads, K.
 const SKY_K: f64 = 0.5;
 
 /// A tenth of a turn in the time of the experiment.
 const SLOW_SUN_S: f64 = 12_000.0;
 
-/// What `studies benchmark field` reports.
+/// Report of `studies benchmark field`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldReport {
-    /// How many specimens were calibrated.
+    /// Number of specimens that were calibrated.
     pub specimens: u64,
     /// Effect by effect.
     pub effects: Vec<EffectFigures>,

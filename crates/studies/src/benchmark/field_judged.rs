@@ -1,4 +1,4 @@
-//! What an effect of the field does to estimates: how wrong they are, and whether they say so.
+//! Influence of an effect of the field on estimates: how wrong they are, and whether they say so.
 
 use anemometry::head::Head;
 use anemometry::vector::{self, angle_deg, length};
@@ -16,7 +16,7 @@ use super::field_correction::blow_corrected;
 use super::wind::WindMode;
 use super::wind::blown::blow;
 
-/// How winds are estimated.
+/// Bandwidth by which winds are estimated.
 pub(super) const MODE: WindMode = WindMode { bandwidth_hz: 0.5, fixed: false };
 /// Left out of every wind of the short tunnel, and of every wind that is judged, s.
 pub(super) const TUNNEL_SETTLE_S: f64 = 10.0;
@@ -26,10 +26,10 @@ pub(super) const SETTLE_S: f64 = 5.0;
 const BEYOND: f64 = 3.0;
 const BEYOND_OF_TWO: f64 = 3.44;
 
-/// What an effect does, over all specimens.
+/// Figures of an effect, over all specimens.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EffectFigures {
-    /// What is otherwise.
+    /// Difference.
     pub effect: String,
     /// Errors of direction, °.
     pub direction_rms_deg: Option<f64>,
@@ -91,7 +91,7 @@ impl EffectTally {
     }
 }
 
-/// How an experiment is judged once more: corrected, with such an uncertainty of its gas, K.
+/// Second judgement of an experiment: corrected, with such an uncertainty of its gas, K.
 pub(super) type CorrectionOfCase = Option<(SlowErrorKind, Option<f64>)>;
 
 /// Adds the estimates of an experiment, but for the beginnings of its winds: as they are to the
@@ -129,7 +129,7 @@ pub(super) fn judge(
     }
 }
 
-/// Of the cells of an effect.
+/// Titles of the cells of an effect.
 pub(super) const TITLES: &str = "otherwise | direction rms | speed rms (mean) | flagged (`inconsistent`) | 95 % intervals: direction, speed | unsaid";
 
 impl EffectFigures {

@@ -20,15 +20,15 @@ use crate::thesis::StudyLab;
 const DIRECTION_ERROR_MAX_DEG: f64 = 20.0;
 /// At which air conducts as at an atmosphere, and hardly rises, Pa.
 const THIN_PA: f64 = 1000.0;
-/// Of the room in which air is identified, °C.
+/// Temperature of the room in which air is identified, °C.
 const ROOM_C: f64 = 20.0;
 
 /// A calibration and the winds that it has not seen.
 struct OwnCase {
     effect: &'static str,
-    /// Whether it is of air in a room, else of Mars.
+    /// It is of air in a room, else of Mars.
     is_air: bool,
-    /// How warm gas rises, if the experiments' own way is not meant.
+    /// Model of the rise of warm gas, if the experiments' own way is not meant.
     rise: Option<BuoyancyModel>,
     tunnels: &'static [&'static str],
     winds: &'static str,

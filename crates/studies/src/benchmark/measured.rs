@@ -46,7 +46,7 @@ pub fn measured(tables: &[PathBuf], progress: &dyn Fn(&Path)) -> std::io::Result
     Ok(MeasuredReport { parts })
 }
 
-/// What became of one part of a record.
+/// Result of one part of a record.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredPart {
     /// The table's name.
@@ -57,14 +57,14 @@ pub struct MeasuredPart {
     pub fit_percent: f64,
     /// Error of the prediction, in the output's unit.
     pub rmse: Option<f64>,
-    /// What the model said that it would be.
+    /// Error that the model expected.
     pub forecast_rms: Option<f64>,
-    /// What the model warns of.
+    /// Warnings of the model.
     pub warnings: Vec<String>,
 }
 
 impl MeasuredPart {
-    /// Whether a user would have known better than to rely on it.
+    /// Tells whether a user would have known better than to rely on it.
     pub fn is_warned(&self) -> bool {
         self.refused.is_some() || !self.warnings.is_empty()
     }
@@ -133,7 +133,7 @@ const GOOD_PERCENT: f64 = 85.0;
 /// An error that was said is right within this factor.
 const RIGHT: f64 = 2.0;
 
-/// What was predicted, part by part.
+/// Predictions, part by part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredReport {
     /// Table by table, share by share.
@@ -143,9 +143,9 @@ pub struct MeasuredReport {
 /// So many of so many.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Count {
-    /// Those for which it is true.
+    /// Number for which it is true.
     pub own: usize,
-    /// Of all.
+    /// Number of all.
     pub all: usize,
 }
 
@@ -187,7 +187,7 @@ impl MeasuredReport {
         Count { own: of().filter(|part| part.is_warned()).count(), all: of().count() }
     }
 
-    /// As a page of the book. `day` is when it was measured.
+    /// Page of the book. `day` is when it was measured.
     pub fn page(&self, day: &str) -> String {
         let row = |of: &[MeasuredPart]| {
             let listed = |text: &dyn Fn(&MeasuredPart) -> String| of.iter().map(text).collect::<Vec<_>>().join(", ");

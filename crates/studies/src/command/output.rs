@@ -1,4 +1,4 @@
-//! What both commands print and write.
+//! Output of both commands.
 
 use std::io::{ErrorKind, IsTerminal as _, Write as _};
 use std::path::Path;

@@ -7,7 +7,7 @@ use anyhow::Result;
 
 /// One figure or table of the thesis.
 pub struct Study {
-    /// As on the command line, and the name of its page.
+    /// Name on the command line, and the name of its page.
     pub name: &'static str,
     /// Template of its page, which begins with its title.
     pub(super) page: &'static str,

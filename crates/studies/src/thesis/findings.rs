@@ -1,19 +1,19 @@
-//! What a study found: published values, ours, and the bar between them.
+//! Findings of a study: published values, ours, and the bar between them.
 
 use plot::{Chart, Figure};
 
 /// One line of a study's table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StudyFinding {
-    /// What the value is of.
+    /// Name of the value.
     pub what: String,
     /// Empty where nothing was published.
     pub published: String,
     /// The value that we found, with its unit.
     pub ours: String,
-    /// What had to be reached; empty where the value is only reported.
+    /// Bar; empty where the value is only reported.
     pub bar: String,
-    /// Whether the bar is reached, where there is one.
+    /// The bar is reached, where there is one.
     pub met: Option<bool>,
 }
 
@@ -116,7 +116,7 @@ impl StudyFindings {
         self.values.push((name, value.into()));
     }
 
-    /// How many bars there are, and how many are met.
+    /// Number of bars, and of those that are met.
     pub fn score(&self) -> (usize, usize) {
         let judged = || self.findings.iter().filter_map(|finding| finding.met);
         (judged().count(), judged().filter(|met| *met).count())

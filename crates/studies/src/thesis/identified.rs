@@ -38,7 +38,7 @@ fn signed(table: RecordTable, mesh: ThesisMesh, signs: Signs) -> Result<Model> {
         initial_state: Some(InitialState::Settled),
         ..Constraints::default()
     };
-    // As in the thesis, whose offset stands.
+    // The offset stands, as in the thesis.
     let drift = DriftGiven::None;
     quietly(table, &IdentifyOptions { constraints: given, signs, drift, ..IdentifyOptions::default() })
 }
@@ -99,7 +99,7 @@ impl PredictedRecord {
     }
 }
 
-/// What one element heats another by, tick by tick, in K over no power at all, says a model of one
+/// Heating of one element by another, tick by tick, in K over no power at all, says a model of one
 /// class: from standby on.
 pub fn heating_k(model: &Model, record: &StudyRecord, from: &str, to: &str) -> Result<Vec<f64>> {
     let own = pair(model, from, to)?.clone();

@@ -1,14 +1,15 @@
-//! What a study leaves behind: `<name>.md` and `<name>.svg`, and `README.md` over all of them.
+//! Files that a study leaves behind: `<name>.md` and `<name>.svg`, and `README.md` over all of
+//! them.
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use std::path::Path;
 
 use super::catalogue::Study;
 use super::findings::StudyFindings;
 use crate::table::ResultTable;
-use plot::{Canvas, PlotError};
+use plot::Canvas;
 use recording::Temporary;
-use recording::template::{TemplateError, fill};
+use recording::template::fill;
 
 /// Writes page and picture of a study into a folder.
 ///
@@ -29,18 +30,17 @@ pub fn write_index(folder: &Path, studies: &[(&Study, StudyFindings)]) -> Result
 }
 
 fn write_text(path: &Path, text: &str) -> Result<()> {
-    let failed = |error: std::io::Error| PlotError::Io { path: path.to_owned(), reason: error.to_string() };
-    Ok(Temporary::write(path, text.as_bytes()).map_err(failed)?)
+    Temporary::write(path, text.as_bytes()).with_context(|| format!("{}: cannot be written", path.display()))
 }
 
-fn page(study: &Study, findings: &StudyFindings) -> Result<String, TemplateError> {
+fn page(study: &Study, findings: &StudyFindings) -> Result<String> {
     let table = table(findings);
     let mut values: Vec<(&str, &str)> = vec![("findings", table.trim_end())];
     values.extend(findings.values.iter().map(|(name, value)| (*name, value.as_str())));
     fill(study.page, &values)
 }
 
-/// What has a bar as a table, and the rest as a list below it.
+/// Findings with a bar as a table, and the rest as a list below it.
 fn table(findings: &StudyFindings) -> String {
     let (judged, reported): (Vec<_>, Vec<_>) = findings.findings.iter().partition(|of| of.met.is_some());
     let rows = judged.iter().map(|of| {
@@ -55,7 +55,7 @@ fn table(findings: &StudyFindings) -> String {
     format!("{table}\n{}", lines.collect::<String>())
 }
 
-fn index(studies: &[(&Study, StudyFindings)]) -> Result<String, TemplateError> {
+fn index(studies: &[(&Study, StudyFindings)]) -> Result<String> {
     let scores = studies.iter().map(|(study, findings)| {
         let (bars, met) = findings.score();
         let missed = findings.findings.iter().filter(|of| of.met == Some(false));

@@ -1,4 +1,4 @@
-//! What an experiment recorded, in memory.
+//! Record of an experiment, in memory.
 
 use anyhow::{Context as _, Result, bail};
 use dr_core::sensor::Level;
@@ -36,7 +36,7 @@ pub struct StudyRecord {
 pub struct RecordedElement {
     /// Its name.
     pub name: String,
-    /// What it took before the first tick, W: an instrument that stands by has long been at its low
+    /// Power before the first tick, W: an instrument that stands by has long been at its low
     /// levels.
     pub standby_w: f64,
     /// Held over [t_n, t_{n+1}).
@@ -234,7 +234,7 @@ mod tests {
         assert_eq!((&a.power_w, &a.temperature_c), (&vec![1.5, 3.5, 5.5], &vec![20.0, 24.0, 28.0]));
         assert_eq!(every.event, ["calm", "calm", "gust"]);
         assert_eq!(record().means(3).elements[0].temperature_c, [22.0, 28.0]);
-        // What does not fill a tick is left out.
+        // A part of a tick is left out.
         assert_eq!(record().every(4).ticks(), 1);
     }
 

@@ -1,4 +1,4 @@
-//! What the studies of the REMS transducer share: the dice of one card, and which of them is
+//! Common parts of the studies of the REMS transducer: the dice of one card, and which of them is
 //! driven.
 
 use dr_core::control::Drive;

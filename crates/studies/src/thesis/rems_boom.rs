@@ -160,8 +160,8 @@ fn first_cycle(experiment: &Experiment) -> Experiment {
     cycle
 }
 
-/// What an element is warmer by at the ends of the stretches of even number than at those of odd
-/// number, K.
+/// Amount by which an element is warmer at the ends of the stretches of even number than at those
+/// of odd number, K.
 fn on_less_off(experiment: &Experiment, record: &StudyRecord, element: &str) -> Result<f64> {
     let ends = experiment.changes.iter().map(|change| change.tick).chain([experiment.ticks]);
     let mut means = [Vec::new(), Vec::new()];

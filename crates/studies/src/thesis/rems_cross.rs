@@ -18,8 +18,8 @@ pub(super) const CROSS_MESH: ThesisMesh = ThesisMesh { order: 7, edges_rad_s: (0
 const HEATED: &str = DICE[0];
 const OTHERS: [&str; 3] = [DICE[1], DICE[3], DICE[2]];
 const LIES: [&str; 3] = ["adjacent", "adjacent", "diagonal"];
-/// What a change with the wind may come to where the thesis saw none, %: it gives no error figure,
-/// and this is ours.
+/// Greatest change with the wind where the thesis saw none, %: it gives no error figure, and this
+/// is ours.
 const NO_DEPENDENCE: f64 = 5.0;
 /// A stretch of the record that a chart can show bit by bit, s.
 const SHOWN_S: (f64, f64) = (1800.0, 1920.0);
@@ -66,7 +66,7 @@ pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<()> {
     Ok(())
 }
 
-/// Of each of [`OTHERS`], the place of the first one's: what is compared is one pole.
+/// Peaks of each of [`OTHERS`], the place of the first one's: what is compared is one pole.
 fn peaks(model: &Model) -> Result<[Peak; 3]> {
     let label = &model.classes[0];
     let first = peak(pair(model, HEATED, OTHERS[0])?, label, (0.0, f64::INFINITY))?;
@@ -76,7 +76,7 @@ fn peaks(model: &Model) -> Result<[Peak; 3]> {
     Ok([first, at(OTHERS[1])?, at(OTHERS[2])?])
 }
 
-/// What the mesh leaves, and where the poles lie if they are free.
+/// Residuals of the mesh, and where the poles lie if they are free.
 fn mesh_or_poles(still: &StudyRecord, model: &Model, findings: &mut StudyFindings) -> Result<()> {
     let (adjacent, diagonal) = (&model.outputs[0], &model.outputs[2]);
     let fits = format!("{:.1} %, {:.1} %", adjacent.fit_percent, diagonal.fit_percent);

@@ -60,7 +60,7 @@ pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<()> {
     Ok(())
 }
 
-/// What each of the other three heats the first die by; findings are of all four.
+/// Heating of the first die by each of the other three; findings are of all four.
 fn cross_heating(model: &Model, record: &StudyRecord, findings: &mut StudyFindings) -> Result<Vec<(String, Vec<f64>)>> {
     let mut sums = Vec::new();
     let mut on_first = Vec::new();

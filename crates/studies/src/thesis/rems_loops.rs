@@ -22,7 +22,7 @@ const WIND_MESH: ThesisMesh = ThesisMesh { order: 8, edges_rad_s: (0.0111, 75.0)
 const WINDOW: usize = 20;
 /// Until then the card is still warming, s.
 const WARM_S: f64 = 200.0;
-/// What has to be reached, % of the mean power.
+/// Greatest error, % of the mean power.
 const MOST_PERCENT: f64 = 2.0;
 
 pub fn run(lab: &StudyLab, findings: &mut StudyFindings) -> Result<()> {

@@ -10,7 +10,7 @@ use super::rems::{DICE, moved};
 use diffusive::model::Pair;
 use plot::Chart;
 
-/// Of the record in still air.
+/// Mesh of the record in still air.
 pub(super) const STILL_MESH: ThesisMesh = ThesisMesh { order: 8, edges_rad_s: (0.00698, 62.8) };
 const WIND_MESH: ThesisMesh = ThesisMesh { order: 8, edges_rad_s: (0.0111, 75.0) };
 /// Where the peak of a die is looked for, Hz: slower poles are the card's and the boom's.

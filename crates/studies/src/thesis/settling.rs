@@ -1,4 +1,4 @@
-//! How fast a step is answered, from streams that are noisy.
+//! Time in which a step is answered, from streams that are noisy.
 //!
 //! Repeated steps are laid on each other and averaged tick by tick. Two moving averages in a row
 //! take away what is left of the bit stream; half of what both reach over is the resolution in
@@ -14,7 +14,7 @@ pub const SHARES: [f64; 3] = [10.0, 5.0, 2.0];
 #[derive(Debug, Clone, PartialEq)]
 pub struct StepResponse {
     pub sample_period_s: f64,
-    /// What the averages reach over to either side, s.
+    /// Reach of the averages to either side, s.
     pub resolution_s: f64,
     /// Mean before the step, and in the end.
     pub before: f64,
@@ -27,7 +27,7 @@ pub struct StepResponse {
     pub noise: f64,
 }
 
-/// Which ticks belong to a step.
+/// Ticks that belong to a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Window {
     /// Ticks of the mean before.
@@ -41,7 +41,7 @@ pub struct Window {
 }
 
 impl StepResponse {
-    /// Of a stream with steps that begin at some ticks.
+    /// Residuals of a stream with steps that begin at some ticks.
     pub fn of(values: &[f64], steps: &[usize], window: Window, sample_period_s: f64) -> Self {
         let length = window.before + window.after;
         let mut sum = vec![0.0; length];

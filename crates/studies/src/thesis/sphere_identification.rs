@@ -24,7 +24,7 @@ use plot::{Chart, Scale, Trace, brief};
 
 /// The spheres' set-point, °C.
 const TARGET_C: f64 = -23.15;
-/// Of each wind, so much belongs to the wind before and to warming up, s.
+/// Time at the beginning of each wind that belongs to the wind before and to warming up, s.
 const FORGOTTEN_S: f64 = 400.0;
 /// A zero whose weight in the power is less than this share of its steady value is no tail.
 const MATTERS: f64 = 0.02;
@@ -37,7 +37,7 @@ struct ThesisSphere {
     parts: &'static [&'static str],
     /// Rates of the parts together, and of the front part by itself.
     poles: (usize, usize),
-    /// Whether the thesis found it so.
+    /// The thesis found it so.
     fast: bool,
 }
 
@@ -64,7 +64,7 @@ struct IdentifiedSphere {
     winds: Vec<SphereInWind>,
 }
 
-/// What one wind shows.
+/// Result in one wind.
 struct SphereInWind {
     label: String,
     /// Mean temperature of the parts under the power that each gets.
@@ -73,7 +73,7 @@ struct SphereInWind {
     front: IdentifiedLoop,
 }
 
-/// What a model says of its loop, and its symbol over Hz.
+/// Loop of a model, and its symbol over Hz.
 struct IdentifiedLoop {
     analysis: Analysis,
     points: Vec<(f64, f64)>,
@@ -283,7 +283,7 @@ mod tests {
         assert!((of_one_bit(&points, limit, 1e-12) / limit - 1.0).abs() < 1e-6);
     }
 
-    /// Of two poles, in closed form: Σ η_k (ξ_other − μ) = 0.
+    /// Slow zero of two poles, in closed form: Σ η_k (ξ_other − μ) = 0.
     fn slow_zero(points: &[(f64, f64); 2]) -> f64 {
         let [(a, ra), (b, rb)] = points.map(|(hz, r)| (TAU * hz, r));
         a * b * (ra + rb) / (a * ra + b * rb)

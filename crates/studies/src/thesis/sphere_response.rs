@@ -17,7 +17,7 @@ const WARM_S: f64 = 400.0;
 pub const FAST_PERIOD_S: f64 = 1e-3;
 /// Half of a moving average over such steps.
 const SMOOTHED_S: f64 = 0.015;
-/// What a slow part may leave for later, %.
+/// Greatest part that is left for later, %.
 const MOST_LEFT: f64 = 2.0;
 /// Less is noise in any of the runs, %.
 const LEAST_SHOWN: f64 = 0.05;

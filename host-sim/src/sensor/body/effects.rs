@@ -4,7 +4,7 @@ use super::{STEFAN_BOLTZMANN, ThermalBody};
 use crate::sensor::field::{CooledStem, LocalWind, Stem};
 
 impl ThermalBody {
-    /// Whether a sphere is among its shapes.
+    /// Tells whether a sphere is among its shapes.
     pub fn has_sphere(&self) -> bool {
         self.parts.convection.iter().any(|(law, _)| law.sphere().is_some())
     }
@@ -46,7 +46,7 @@ impl ThermalBody {
         self.node_power_w.copy_from_slice(&self.absorbed_w);
     }
 
-    /// What surfaces radiate to from now on, and their emissivity, where they are given.
+    /// Sets what surfaces radiate to from now on, and their emissivity, where they are given.
     pub fn set_sky(&mut self, temperature_k: Option<f64>, emissivity: Option<f64>) {
         self.sky_k = temperature_k.unwrap_or(self.sky_k);
         for surface in 0..self.parts.surfaces.len() {

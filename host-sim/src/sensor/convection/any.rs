@@ -93,7 +93,7 @@ impl BodyConvection {
         }
     }
 
-    /// Whether the temperature of a surface counts, beside the gas and the wind.
+    /// Tells whether the temperature of a surface counts, beside the gas and the wind.
     pub fn follows_surface(&self) -> bool {
         match self {
             Self::Sphere(sphere) => sphere.takes_film(),
@@ -117,7 +117,7 @@ impl BodyConvection {
         }
     }
 
-    /// Whether this wind lies beyond what is computed or known.
+    /// Tells whether this wind lies beyond what is computed or known.
     pub fn extrapolated(&self, wind_m_s: [f64; 3], surface_k: &[f64]) -> bool {
         match self {
             Self::Sphere(sphere) => sphere.extrapolated(wind_m_s, surface_k),

@@ -73,10 +73,10 @@ const PLACES: [[f64; 2]; DICE_PER_CARD] = [[1.0, -1.0], [1.0, 1.0], [-1.0, 1.0],
 pub struct Boom {
     shape: BoomShape,
     conductivity_w_m_k: f64,
-    /// Of a length of 1 m in 1 m/s.
+    /// Reynolds number of a length of 1 m in 1 m/s.
     reynolds: f64,
     prandtl_third: f64,
-    /// Of a cylinder's √Re.
+    /// Factor of a cylinder's √Re.
     cylinder: f64,
     card_still_w_m2_k: f64,
     head_still_w_m2_k: f64,
@@ -125,7 +125,7 @@ impl Boom {
         if (DICE..DICE + CARDS).contains(&surface) { card_area_m2(&self.shape) } else { 0.0 }
     }
 
-    /// Whether the flow over a card would no longer be laminar.
+    /// Tells whether the flow over a card would no longer be laminar.
     pub fn extrapolated(&self, wind_m_s: [f64; 3]) -> bool {
         self.reynolds * self.shape.card_length_m * length(wind_m_s) > LAMINAR_REYNOLDS
     }
@@ -187,7 +187,8 @@ impl Boom {
         nusselt * self.conductivity_w_m_k / length_m
     }
 
-    /// Of forced convection alone: without wind it is nothing, and free convection has the rest.
+    /// Conductance of forced convection alone: without wind it is nothing, and free convection has
+    /// the rest.
     fn cylinder_w_m2_k(&self, speed_m_s: f64, diameter_m: f64) -> f64 {
         if speed_m_s == 0.0 {
             return 0.0;
@@ -197,7 +198,7 @@ impl Boom {
     }
 }
 
-/// Of one side of a card, m².
+/// Area of one side of a card, m².
 fn card_area_m2(shape: &BoomShape) -> f64 {
     shape.card_length_m * shape.card_width_m
 }

@@ -97,12 +97,12 @@ impl Cylinder {
         0.5 * self.shape.diameter_m * angle_rad * self.shape.length_m
     }
 
-    /// Whether free convection joins in.
+    /// Tells whether free convection joins in.
     pub fn is_free(&self) -> bool {
         self.shape.gravity_m_s2.is_some()
     }
 
-    /// Whether the layer would no longer be laminar.
+    /// Tells whether the layer would no longer be laminar.
     pub fn extrapolated(&self, wind_m_s: [f64; 3]) -> bool {
         self.reynolds(wind_m_s) > HIGHEST_REYNOLDS
     }
@@ -137,7 +137,7 @@ impl Cylinder {
         }
     }
 
-    /// How much more than the mean a sector has.
+    /// Amount by which a sector has more than the mean.
     fn around(&self, [start, end]: [f64; 2], from: f64, [front, behind]: [f64; 2]) -> f64 {
         (1..HARMONICS)
             .map(|m| {

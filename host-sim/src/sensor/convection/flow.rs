@@ -1,4 +1,4 @@
-//! What several kinds of convection need: the limit of a continuum, laminar layers, free
+//! Functions that several kinds of convection need: the limit of a continuum, laminar layers, free
 //! convection, and both together.
 
 use anemometry::gas::IdealGas;
@@ -82,7 +82,7 @@ pub(super) fn film_gas(gas: &IdealGas, surface_k: f64) -> IdealGas {
     gas.at(film_k(gas, surface_k).clamp(*KNOWN_K.start(), *KNOWN_K.end()))
 }
 
-/// Whether that temperature is beyond where gases are known.
+/// Tells whether that temperature is beyond where gases are known.
 pub(super) fn film_extrapolated(gas: &IdealGas, surface_k: f64) -> bool {
     !KNOWN_K.contains(&film_k(gas, surface_k))
 }

@@ -35,12 +35,12 @@ impl TableConvection {
         self.conductance_per_nusselt_w_k = gas.conductivity_w_m_k / self.grid.length_m * self.grid.area_m2;
     }
 
-    /// Of a surface, m².
+    /// Area of a surface, m².
     pub fn area_m2(&self) -> f64 {
         self.grid.area_m2
     }
 
-    /// Whether this wind is beyond the last row.
+    /// Tells whether this wind is beyond the last row.
     pub fn extrapolated(&self, wind_m_s: [f64; 3]) -> bool {
         self.reynolds_per_speed * length(wind_m_s) > self.grid.reynolds.last().copied().unwrap_or(f64::MAX)
     }

@@ -31,7 +31,7 @@ pub struct Plate {
     shape: PlateShape,
     gas: IdealGas,
     conductivity_w_m_k: f64,
-    /// Of its width in 1 m/s.
+    /// Reynolds number of its width in 1 m/s.
     reynolds: f64,
     prandtl_third: f64,
 }
@@ -63,12 +63,12 @@ impl Plate {
         f64::from(self.shape.faces) * self.shape.length_m * self.shape.width_m
     }
 
-    /// Whether free convection joins in.
+    /// Tells whether free convection joins in.
     pub fn is_free(&self) -> bool {
         self.shape.gravity_m_s2.is_some()
     }
 
-    /// Whether the layer would no longer be laminar.
+    /// Tells whether the layer would no longer be laminar.
     pub fn extrapolated(&self, wind_m_s: [f64; 3]) -> bool {
         self.reynolds * length(wind_m_s) > LAMINAR_REYNOLDS
     }

@@ -50,7 +50,7 @@ pub struct SphereStream {
     intervals_per_log: f64,
     reynolds_per_speed: f64,
     diameter_m: f64,
-    /// Of the gas that the grid was made for, and of the gas now.
+    /// Prandtl numbers of the gas that the grid was made for, and of the gas now.
     grid_prandtl: f64,
     prandtl: f64,
 }
@@ -86,7 +86,7 @@ impl SphereStream {
         self.reynolds_per_speed * length(wind_m_s)
     }
 
-    /// Whether this wind lies beyond the end of the table, Re 200.
+    /// Tells whether this wind lies beyond the end of the table, Re 200.
     pub fn extrapolated(&self, wind_m_s: [f64; 3]) -> bool {
         self.reynolds(wind_m_s) > HIGHEST_REYNOLDS
     }
@@ -147,7 +147,7 @@ impl SphereStream {
     }
 }
 
-/// How much more than at the end of the table, from there on.
+/// Growth over the end of the table, from there on.
 fn growth(reynolds: f64) -> f64 {
     libm::pow(reynolds / HIGHEST_REYNOLDS, EXTRAPOLATION_EXPONENT)
 }

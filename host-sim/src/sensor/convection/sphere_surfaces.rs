@@ -47,7 +47,7 @@ const SECTOR_MEAN: [f64; ORDERS] = [
 /// Threefold parts of the sector means, d_n of the head of this file, for n = 3, 4, 5.
 const SECTOR_THREEFOLD: [f64; 3] = [0.002_683_336_850_257_382, 0.001_283_451_524_664_488_5, 0.000_364_693_038_667_524];
 
-/// Of the whole sphere.
+/// Mean over the whole sphere.
 const WHOLE_MEAN: [f64; ORDERS] = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
 
 /// Means of P_n over a hemisphere about its own axis (c_n of the head of this file).
@@ -73,10 +73,10 @@ struct SurfaceFrame {
 pub struct SphereSurfaces {
     stream: SphereStream,
     division: SphereDivision,
-    /// Of every surface.
+    /// Factor of every surface.
     conductance_per_nusselt_w_k: Vec<f64>,
     gas: IdealGas,
-    /// Whether properties are those of the film of each surface.
+    /// Properties are those of the film of each surface.
     film: bool,
 }
 
@@ -143,12 +143,12 @@ impl SphereSurfaces {
         self.film = true;
     }
 
-    /// Whether it does.
+    /// Tells whether it does.
     pub fn takes_film(&self) -> bool {
         self.film
     }
 
-    /// Whether this wind lies beyond the table, or a film where gases are not known.
+    /// Tells whether this wind lies beyond the table, or a film where gases are not known.
     pub fn extrapolated(&self, wind_m_s: [f64; 3], surface_k: &[f64]) -> bool {
         let film = self.film && surface_k.iter().any(|&surface_k| film_extrapolated(&self.gas, surface_k));
         film || self.stream.extrapolated(wind_m_s)

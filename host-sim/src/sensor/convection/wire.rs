@@ -56,7 +56,7 @@ impl Wire {
         PI * self.shape.diameter_m * self.shape.length_m
     }
 
-    /// Whether the law ends below this wind, or this temperature.
+    /// Tells whether the law ends below this wind, or this temperature.
     pub fn extrapolated(&self, wind_m_s: [f64; 3], surface_k: f64) -> bool {
         let highest = match self.shape.law {
             WireLaw::Kramers => 1e4,

@@ -9,7 +9,7 @@ use crate::sensor::front_end::SimulatedFrontEnd;
 use anemometry::gas::ZERO_CELSIUS_K;
 use recording::text::suggest;
 
-/// What of the field changes with time, joined to a body.
+/// Effects of the field that change with time, joined to a body.
 #[derive(Clone, Debug)]
 pub struct AppliedField {
     heat: Vec<(usize, SurfaceHeat)>,
@@ -120,7 +120,7 @@ impl AppliedField {
     }
 }
 
-/// What a drift changes; an element's surface is the one that it heats.
+/// Target of a drift; an element's surface is the one that it heats.
 fn target(
     drift: &ElementDrift,
     key: &str,

@@ -30,13 +30,13 @@ use crate::sensor::error::{SensorError, require};
 use anemometry::gas::IdealGas;
 use anemometry::vector::{length, unit};
 
-/// How the rise of the gas joins the wind.
+/// Law by which the rise of the gas joins the wind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum BuoyancyModel {
     /// The whole rise, whatever the wind.
     Sum,
-    /// What the wind leaves of it.
+    /// Rise that the wind leaves.
     Advected,
 }
 
@@ -46,16 +46,16 @@ pub enum BuoyancyModel {
 pub struct Buoyancy {
     /// Gravity, m/s².
     pub gravity_m_s2: f64,
-    /// Which way is up; any length.
+    /// Direction that points up; any length.
     #[serde(default = "z")]
     pub up: [f64; 3],
-    /// How the rise joins the wind.
+    /// Law by which the rise joins the wind.
     #[serde(default = "advected")]
     pub model: BuoyancyModel,
-    /// Of `advected`.
+    /// Coefficient of `advected`.
     #[serde(default = "kappa1")]
     pub kappa1: f64,
-    /// Of `advected`.
+    /// Coefficient of `advected`.
     #[serde(default = "kappa2")]
     pub kappa2: f64,
 }

@@ -1,4 +1,4 @@
-//! What ages: a resistance, the coating of a surface, a contact.
+//! Parts that age: a resistance, the coating of a surface, a contact.
 //!
 //! ```text
 //! q(t) = q_0 (1 + a r(t))
@@ -25,7 +25,7 @@ use serde::Deserialize;
 
 use crate::sensor::error::{SensorError, require};
 
-/// What of an element drifts.
+/// Quantity of an element that drifts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum DriftQuantity {
@@ -45,7 +45,7 @@ pub enum DriftQuantity {
 pub struct ElementDrift {
     /// Name of the element.
     pub element: String,
-    /// What drifts.
+    /// Quantity that drifts.
     pub quantity: DriftQuantity,
     /// Relative, where it ends.
     pub change: f64,

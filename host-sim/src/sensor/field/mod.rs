@@ -73,9 +73,9 @@ pub struct FieldEffects {
     pub surface_heat: Vec<SurfaceHeat>,
     /// Sunlight.
     pub sun: Option<Sun>,
-    /// What surfaces radiate to; without it, surroundings of the gas's mean temperature.
+    /// Sky that surfaces radiate to; without it, surroundings of the gas's mean temperature.
     pub sky: Option<Sky>,
-    /// What ages.
+    /// Drifts.
     pub drifts: Vec<ElementDrift>,
     /// At which temperature convection takes the properties of the gas.
     pub gas_properties: GasProperties,
@@ -101,13 +101,13 @@ impl FieldEffects {
     }
 }
 
-/// What surfaces radiate to.
+/// Sky that surfaces radiate to.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sky {
     /// Radiant temperature, °C.
     pub temperature_c: Option<f64>,
-    /// Of all surfaces.
+    /// Emissivity of all surfaces.
     pub emissivity: Option<f64>,
 }
 

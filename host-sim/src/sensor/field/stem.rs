@@ -45,7 +45,7 @@ pub struct Stem {
     /// From the head to its support; any length.
     #[serde(default = "down")]
     pub axis: [f64; 3],
-    /// What is behind it.
+    /// Wake.
     pub wake: Option<StemWake>,
 }
 
@@ -87,7 +87,7 @@ impl Stem {
         require(deflection_deg.abs() <= most_deg, "stem.wake.deflection_deg", deflection_deg, &expected)
     }
 
-    /// Whether the wind cools it.
+    /// Tells whether the wind cools it.
     pub(super) fn is_cooled(&self) -> bool {
         self.conductance_w_k > 0.0 || self.conductance_w_k_per_root_m_s > 0.0
     }
@@ -124,7 +124,7 @@ pub struct CooledStem {
 }
 
 impl CooledStem {
-    /// Of these nodes in a gas at rest; none without nodes.
+    /// Stem of these nodes in a gas at rest; none without nodes.
     pub fn new(of: Stem, network: &mut ThermalNetwork, nodes: &[usize], gas_k: f64) -> Option<Self> {
         let conductance_w_k = of.loss_w_k(0.0) / nodes.len() as f64;
         let ends = nodes.iter().map(|&node| (network.link_to_fixed(node, conductance_w_k, gas_k), node)).collect();

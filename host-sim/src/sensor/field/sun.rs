@@ -45,7 +45,7 @@ pub struct Sun {
     /// Where it stands at first, from x to y, °.
     #[serde(default)]
     pub azimuth_deg: f64,
-    /// How far it turns in a period, °; then it begins again.
+    /// Angle by which it turns in a period, °; then it begins again.
     #[serde(default = "whole_turn")]
     pub turn_deg: f64,
     /// Without it, the sun stands.

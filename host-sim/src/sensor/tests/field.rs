@@ -10,7 +10,7 @@ use anemometry::gas::ZERO_CELSIUS_K;
 use std::f64::consts::PI;
 
 const SECTORS: usize = 4;
-/// Of a sector, m².
+/// Area of a sector, m².
 const AREA_M2: f64 = PI * 1e-4 / 4.0;
 
 const SUN: Sun = Sun {
@@ -89,7 +89,7 @@ fn heat_in_is_heat_out_and_heat_stored_with_all_effects() {
         left += (gas_w + flows.support_w + flows.stem_w) * config.sample_period_s;
     }
     let balance = given - left - (sensor.body.stored_heat_j() - before);
-    // As without effects: rounding of what is stored from absolute zero on.
+    // Same as without effects: rounding of what is stored from absolute zero on.
     assert!((balance / given).abs() < 1e-8, "{balance} J of {given} J");
 }
 

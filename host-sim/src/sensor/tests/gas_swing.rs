@@ -97,7 +97,7 @@ fn every_sensor_balances_in_a_swinging_gas() {
             left += (gas_w + truth.flows.support_w) * config.sample_period_s;
         }
         let balance = given - left - (sensor.body.stored_heat_j() - before);
-        // As without swing: rounding of what is stored from absolute zero on.
+        // Same as without swing: rounding of what is stored from absolute zero on.
         assert!((balance / given).abs() < 1e-8, "{name}: {balance} J of {given} J");
     }
 }

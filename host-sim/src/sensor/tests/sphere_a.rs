@@ -33,7 +33,7 @@ fn the_film_stands_above_the_silver_by_glue_and_ceramic() {
     for i in 0..HEMISPHERES {
         let rise = body.element_temperature_c(i) - body.surface_temperature_c(i);
         assert!((rise - 0.02 * (1.0 / 0.1 + 1.0 / 8e-3)).abs() < 1e-8, "{rise}");
-        // What is not given to the gas or radiated goes inside.
+        // The heat that is not given to the gas or radiated goes inside.
         let flows = body.flows();
         let overheat = body.surface_temperature_c(i) + ZERO_CELSIUS_K - 220.0;
         assert!((flows.convection_w[i] - body.conductance_w_k()[i] * overheat).abs() < 1e-10);

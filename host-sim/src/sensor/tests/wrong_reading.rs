@@ -1,5 +1,5 @@
-//! What readings that are wrong but plausible heat sphere B to, in quiescent CO₂ of 1000 Pa and
-//! 20 °C: each shows only a share of the true rise, so all six elements stay high.
+//! Temperatures of sphere B under wrong but plausible readings, in quiescent CO₂ of 1000 Pa and 20
+//! °C: each shows only a share of the true rise, so all six elements stay high.
 
 use dr_core::control::{Cause, Drive, ElementConfig, EnergyLimit, GuardConfig, HardwareLimits, Limits, Trip};
 use dr_core::sensor::{Channel, Level, Platinum, Reading};
@@ -99,7 +99,8 @@ fn a_reading_that_stands_still_is_ended_in_drives_that_alternate() {
     assert!(mild.trip.is_none() && mild.hottest_c < 70.0, "{:?}, {} °C", mild.trip, mild.hottest_c);
 }
 
-/// What remains: a tenth of the rise is a rise. A steady power is ended by nothing but the budget.
+/// Remaining risk: a tenth of the rise is a rise. A steady power is ended by nothing but the
+/// budget.
 #[test]
 fn a_steady_power_whose_reading_hardly_rises_remains() {
     let steady = heat(&HardwareLimits::SENSOR_BOARD, Drive::Power { power_w: 0.031 }, 0.1, 7200.0);
@@ -107,7 +108,7 @@ fn a_steady_power_whose_reading_hardly_rises_remains() {
     assert!(steady.hottest_c < 135.0, "{:?}, {} °C", steady.trip, steady.hottest_c);
 }
 
-/// What remains is stated on the page of single faults: such a reading is ended, but late.
+/// The remaining risk is stated on the page of single faults: such a reading is ended, but late.
 #[test]
 fn a_reading_that_shows_half_the_rise_is_ended_by_the_energy_budget() {
     let bounded = heat(&HardwareLimits::SENSOR_BOARD, HELD, 0.5, 1000.0);

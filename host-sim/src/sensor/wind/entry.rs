@@ -11,7 +11,7 @@ pub struct WindEntry {
     pub start_s: f64,
     /// Name of the conditions; becomes the `event` of a recording.
     pub label: String,
-    /// Of the mean, m/s.
+    /// Speed of the mean, m/s.
     pub speed_m_s: f64,
     /// Into which the mean goes, from x to y, °.
     pub azimuth_deg: f64,

@@ -136,7 +136,7 @@ impl Gust {
     }
 }
 
-/// Of the speed.
+/// Sine of the speed.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sine {
@@ -146,7 +146,7 @@ pub struct Sine {
     pub frequency_hz: f64,
 }
 
-/// Of the azimuth.
+/// Swing of the azimuth.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DirectionSwing {
@@ -214,7 +214,7 @@ pub struct DustDevil {
     /// Speed towards the centre at the core's radius.
     #[serde(default)]
     pub inflow_m_s: f64,
-    /// Of the centre; the horizontal part of the entry's mean if not given.
+    /// Travel of the centre; the horizontal part of the entry's mean if not given.
     pub travel_m_s: Option<f64>,
     /// Into which the centre travels, °; the azimuth of the mean if not given.
     pub travel_azimuth_deg: Option<f64>,

@@ -20,7 +20,7 @@ use std::f64::consts::{PI, TAU};
 /// Γ(1/3)/(√π Γ(5/6)): of von Kármán's spectrum, T U/L.
 pub(super) const EDDY: f64 = 1.338_985_279_065_280_3;
 
-/// Of y.
+/// Step of y.
 const STEP: f64 = 1.5;
 /// Below, the rates of von Kármán's spectrum are one: t = 1.
 const VON_KARMAN_FROM: f64 = -4.5;
@@ -116,7 +116,7 @@ mod tests {
         for shape in [SpectrumShape::VonKarman, SpectrumShape::Kaimal] {
             let all = shape.relaxations(1.0, 1e12);
             let sum: f64 = all.iter().map(|one| one.variance).sum();
-            // What lies above a rate of 10¹² is some 10⁻⁸.
+            // The part above a rate of 10¹² is some 10⁻⁸.
             assert!((sum - 1.0).abs() < 2e-4, "{shape:?}: {sum}");
             assert!(all.iter().all(|one| one.variance > 0.0), "a spectrum of each");
         }

@@ -20,8 +20,8 @@ use rand_distr::Distribution;
 use super::relaxations::Relaxation;
 use super::turbulence::Component;
 
-/// Of this many per sample period a relaxation is white: correlated with the next period by less
-/// than 1/(2 · 40).
+/// Rates per sample period above which a relaxation is white: correlated with the next period by
+/// less than 1/(2 · 40).
 const FORGETS: f64 = 40.0;
 /// Relaxations that are faster yet have no part in a mean over a period.
 const FASTEST: f64 = 1e5;
@@ -73,8 +73,7 @@ impl WindSeries {
                 let renewal = (variance * -libm::expm1(-2.0 * h)).sqrt();
                 states.push(SeriesState { x, memory: libm::exp(-h), renewal, part: ends / h });
             }
-            // Of a relaxation that has passed the filter: variance and covariance with x are V/(1 +
-            // ξT).
+            // Behind the filter, variance and covariance with x are V/(1 + ξT).
             let passes = 1.0 / (1.0 + rate_rad_s * component.time_s);
             y += passes * x;
             left_open += variance * passes * (1.0 - if h > FORGETS { 0.0 } else { passes });

@@ -50,14 +50,14 @@ use crate::sensor::error::SensorError;
 pub struct Turbulence {
     /// Standard deviation over the mean speed: of each component, of Kaimal's along the mean.
     pub intensity: f64,
-    /// How they are spread over frequencies.
+    /// Spread over frequencies.
     pub spectrum: Spectrum,
 }
 
-/// How turbulence is spread over frequencies.
+/// Spread of turbulence over frequencies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Spectrum {
-    /// Of one relaxation.
+    /// Rate of one relaxation.
     Relaxation {
         /// Correlation time, s.
         correlation_time_s: f64,

@@ -3,7 +3,7 @@
 
 pub const ELISION: &str = "…";
 
-/// How shown and printed items lie beside each other.
+/// Alignment of shown and printed items.
 #[derive(Debug, PartialEq)]
 enum AlignedItem {
     Fits(usize, usize),
@@ -17,7 +17,7 @@ enum AlignedItem {
     Elision(usize),
 }
 
-/// Whether a printed line is what a shown one stands for.
+/// Tells whether a printed line is what a shown one stands for.
 fn line_fits(shown: &str, printed: &str) -> bool {
     let mut parts = shown.trim_end().split(ELISION);
     let mut rest = printed.trim_end();
@@ -47,7 +47,7 @@ fn align(shown: &[&str], printed: &[&str]) -> Vec<AlignedItem> {
     };
     let is_elision = |i: usize| shown[i].trim() == ELISION;
     let (rows, columns) = (shown.len(), printed.len());
-    // Of everything from these two items on.
+    // Cost of everything from these two items on.
     let mut cost = vec![vec![0; columns + 1]; rows + 1];
     for i in (0..=rows).rev() {
         for j in (0..=columns).rev() {
@@ -110,8 +110,8 @@ pub fn difference(shown: &[&str], printed: &[&str]) -> Option<String> {
     Some(text)
 }
 
-/// What a page is to show: the printed lines, with those elisions of the shown ones that still
-/// stand for something.
+/// Lines that a page is to show: the printed lines, with those elisions of the shown ones that
+/// still stand for something.
 pub fn revised(shown: &[&str], printed: &[&str]) -> Vec<String> {
     let lines = align(shown, printed).into_iter().filter_map(|pair| match pair {
         AlignedItem::Fits(i, _) | AlignedItem::Elision(i) => Some(shown[i].to_owned()),

@@ -40,7 +40,7 @@ pub struct PagesOptions {
     write: bool,
 }
 
-/// What pages run, built.
+/// Programs that pages run, built.
 pub struct PagePrograms {
     pub anemo: PathBuf,
     /// `anemo`'s example that reads command lines without running them.
@@ -145,14 +145,7 @@ fn report(outcomes: &[(&Page, PageOutcome)], written: bool) -> Result<()> {
     for (page, outcome) in outcomes.iter().filter(|(_, outcome)| outcome.run > 0) {
         println!("{:>6.1} s  {:>3} commands  {}", outcome.time.as_secs_f64(), outcome.run, page.name);
     }
-    let sum = |of: fn(&PageOutcome) -> usize| outcomes.iter().map(|(_, outcome)| of(outcome)).sum::<usize>();
-    println!(
-        "{} commands and scripts run; by name only: {} that build or install, {} for a sensor board, {} within the text",
-        sum(|outcome| outcome.run),
-        sum(|outcome| outcome.named.cargo),
-        sum(|outcome| outcome.named.board),
-        sum(|outcome| outcome.named.inline),
-    );
+    println!("{} commands and scripts run", outcomes.iter().map(|(_, outcome)| outcome.run).sum::<usize>());
     if faults > 0 {
         bail!(
             "{faults} faults in pages, above with page and line; where the command is right and the page is not, \

@@ -1,5 +1,5 @@
-//! What a page shows and is not run: jobs of `cargo xtask` must exist, command lines of `anemo`
-//! must parse.
+//! Commands that a page shows and that are not run: jobs of `cargo xtask` must exist, command lines
+//! of `anemo` must parse.
 
 use super::transcript::{Expectation, Step};
 use crate::markdown;
@@ -8,19 +8,10 @@ use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// How many command lines were not run, for which reason.
-#[derive(Default)]
-pub struct NamedOnly {
-    /// They build, install or fetch.
-    pub cargo: usize,
-    pub board: usize,
-    pub inline: usize,
-}
-
 /// Programs that change more than a page's folder.
 const NOT_RUN: [&str; 4] = ["cargo", "git", "rustup", "sudo"];
 
-/// Whether a step is only checked by its names.
+/// Tells whether a step is only checked by its names.
 pub fn is_not_run(step: &Step) -> bool {
     match step {
         Step::Command(shown) => shown.expectation == Expectation::Board || changes_more(&shown.command),
@@ -32,31 +23,23 @@ fn changes_more(command: &str) -> bool {
     command.split_whitespace().next().is_some_and(|first| NOT_RUN.contains(&first))
 }
 
-/// Checks the names of a page. Gives how many command lines those were, and lines with faults.
+/// Checks the names of a page and returns lines with faults.
 pub fn check(
     text: &str,
     steps: &[Step],
     jobs: &clap::Command,
     interface: Option<&Path>,
-) -> Result<(NamedOnly, Vec<(usize, String)>)> {
-    let mut named = NamedOnly::default();
+) -> Result<Vec<(usize, String)>> {
     let mut faults = Vec::new();
-    let mut lines: Vec<(usize, String)> = Vec::new();
-    for step in steps.iter().filter(|step| is_not_run(step)) {
-        let Step::Command(shown) = step else {
-            named.board += 1;
-            continue;
-        };
-        *(if shown.expectation == Expectation::Board { &mut named.board } else { &mut named.cargo }) += 1;
-        lines.push((shown.line, shown.command.replace("\\\n", " ")));
-    }
+    let shown = steps.iter().filter(|step| is_not_run(step)).filter_map(|step| match step {
+        Step::Command(shown) => Some((shown.line, shown.command.replace("\\\n", " "))),
+        Step::Python { .. } => None,
+    });
+    let mut lines: Vec<(usize, String)> = shown.collect();
     let shown = lines.len();
-    for (line, code) in markdown::inline_code(text) {
-        if code.starts_with("anemo ") || code.starts_with("cargo xtask ") && !has_placeholder(&code) {
-            named.inline += 1;
-            lines.push((line, code));
-        }
-    }
+    let is_command =
+        |code: &str| code.starts_with("anemo ") || code.starts_with("cargo xtask ") && !has_placeholder(code);
+    lines.extend(markdown::inline_code(text).into_iter().filter(|(_, code)| is_command(code)));
     let mut parsed = Vec::new();
     for (at, (line, command)) in lines.into_iter().enumerate() {
         faults.extend(job_fault(&command, jobs).map(|fault| (line, fault)));
@@ -67,10 +50,10 @@ pub fn check(
     if let Some(interface) = interface {
         faults.extend(refused(&parsed, interface)?);
     }
-    Ok((named, faults))
+    Ok(faults)
 }
 
-/// Whether a command line stands for others: it has `…`, `<name>` or `NAME`.
+/// Tells whether a command line stands for others: it has `…`, `<name>` or `NAME`.
 fn has_placeholder(command: &str) -> bool {
     let capitals = |word: &str| !word.is_empty() && word.chars().all(|c| c.is_ascii_uppercase());
     command.contains(['…', '<', '[']) || command.split(|c: char| !c.is_alphanumeric()).any(capitals)
@@ -85,13 +68,13 @@ fn job_fault(command: &str, jobs: &clap::Command) -> Option<String> {
     Some(format!("`{command}`: {}", message.lines().next().unwrap_or_default()))
 }
 
-/// Whether code within the text only mentions an option without its value.
+/// Tells whether code within the text only mentions an option without its value.
 fn is_mention(reason: &str) -> bool {
     ["a value is required", "required arguments were not provided"].iter().any(|of| reason.contains(of))
 }
 
-/// Those lines that `anemo` would refuse, and why; the last of each tells whether it stands within
-/// the text.
+/// Lines that `anemo` would refuse, and why; the last of each tells whether it stands within the
+/// text.
 fn refused(lines: &[(usize, String, bool)], interface: &Path) -> Result<Vec<(usize, String)>> {
     let mut child = Command::new(interface)
         .arg("--parse")
@@ -128,8 +111,7 @@ mod tests {
         let text = "`cargo xtask dmo`, `cargo xtask …`\n```console\n$ cargo xtask cost --write # all\n$ cargo xtask cost --wite\n```\n";
         let write = clap::Arg::new("write").long("write").action(clap::ArgAction::SetTrue);
         let jobs = clap::Command::new("cargo xtask").subcommand(clap::Command::new("cost").arg(write));
-        let (named, faults) = check(text, &transcript::steps(text).0, &jobs, None).expect("nothing is started");
-        assert_eq!((named.cargo, named.inline), (2, 1));
+        let faults = check(text, &transcript::steps(text).0, &jobs, None).expect("nothing is started");
         assert_eq!(faults.iter().map(|(line, _)| *line).collect::<Vec<_>>(), [4, 1]);
         assert!(faults[1].1.starts_with("`cargo xtask dmo`: error: unrecognized subcommand 'dmo'"), "{}", faults[1].1);
     }

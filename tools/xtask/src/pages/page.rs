@@ -3,20 +3,18 @@
 use super::PagePrograms;
 use super::elision;
 use super::gallery;
-use super::names::{self, NamedOnly};
+use super::names;
 use super::transcript::{self, Expectation, ShownCommand, Step};
 use crate::shell;
 use anyhow::{Context, Result, bail};
 use std::fs::File;
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::time::{Duration, Instant};
 
 /// A command that takes longer is stopped.
 const TIME_LIMIT_S: u32 = 120;
-/// The exit code of `timeout` for a command that it has stopped.
-const TIMED_OUT: i32 = 124;
 /// Folders that a page finds in its own.
 const GIVEN: [&str; 4] = ["experiments", "heads", "docs", "tests/fixtures"];
 
@@ -49,9 +47,8 @@ impl Workshop {
         let file = File::create(&printed).with_context(|| format!("{} cannot be written", printed.display()))?;
         let path = std::env::var_os("PATH").unwrap_or_default();
         let path = std::env::join_paths(self.programs.iter().cloned().chain(std::env::split_paths(&path)))?;
-        let mut bash = Command::new("timeout");
-        bash.args(["--kill-after=5", &TIME_LIMIT_S.to_string(), "bash", "-o", "pipefail", "-c"]);
-        bash.arg(format!("exec 2>&1\n{command}")).current_dir(folder);
+        let mut bash = shell::limited(TIME_LIMIT_S, "bash");
+        bash.args(["-o", "pipefail", "-c"]).arg(format!("exec 2>&1\n{command}")).current_dir(folder);
         bash.stdin(Stdio::null()).stdout(file).stderr(Stdio::null());
         bash.env("PATH", path).env("COLUMNS", "100").env("LC_ALL", "C.UTF-8").env("TZ", "UTC").env("NO_COLOR", "1");
         bash.env("ANEMO_FIRMWARE", &self.built.firmware);
@@ -85,7 +82,6 @@ pub struct PageOutcome {
     /// Pictures that differ from those of `docs/images`.
     pub changed_pictures: Vec<PathBuf>,
     pub run: usize,
-    pub named: NamedOnly,
     pub time: Duration,
 }
 
@@ -109,8 +105,7 @@ impl Page {
         for (line, fault) in &self.faults {
             outcome.faults.push(format!("{}:{line}: {fault}", self.name));
         }
-        let (named, faults) = names::check(&self.text, &self.steps, &workshop.jobs, Some(&workshop.built.interface))?;
-        outcome.named = named;
+        let faults = names::check(&self.text, &self.steps, &workshop.jobs, Some(&workshop.built.interface))?;
         outcome.faults.extend(faults.into_iter().map(|(line, fault)| format!("{}:{line}: {fault}", self.name)));
 
         let folder = workshop.folder.join(self.name.trim_end_matches(".md").replace('/', "-"));
@@ -151,7 +146,7 @@ impl Page {
                 Some("succeeds; it is expected to fail".to_owned())
             }
             (Some(0), _) => None,
-            (Some(TIMED_OUT), _) => Some(format!("takes more than {TIME_LIMIT_S} s")),
+            (Some(shell::TIMED_OUT), _) => Some(format!("takes more than {TIME_LIMIT_S} s")),
             (_, Step::Command(ShownCommand { expectation: Expectation::Failure, .. })) => None,
             (code, _) => {
                 Some(format!("fails ({})", code.map_or("by a signal".into(), |code| format!("exit code {code}"))))

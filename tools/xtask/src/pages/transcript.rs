@@ -1,9 +1,9 @@
-//! What a page asks to be run: transcripts of a terminal, scripts in Python.
+//! Steps that a page asks to be run: transcripts of a terminal, scripts in Python.
 
 use super::elision::ELISION;
 use crate::markdown::{self, Part};
 
-/// What is expected of a block's commands.
+/// Expectation of a block's commands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Expectation {
     Success,
@@ -29,7 +29,7 @@ pub struct ShownCommand {
     /// First line of the output, or the line where it would be.
     pub output_line: usize,
     pub output: Vec<String>,
-    /// How far the block is indented.
+    /// Indent of the block.
     pub indent: usize,
 }
 
@@ -110,7 +110,7 @@ fn transcript(block: &markdown::FencedBlock, expectation: Expectation) -> Vec<Sh
     for (at, text) in block.lines.iter().enumerate() {
         let line = block.line + 1 + at;
         if let Some(command) = text.strip_prefix("$ ") {
-            // What is expected of all but the last command of a block that fails.
+            // Expectation of all but the last command of a block that fails.
             if let Some(before) = commands.last_mut().filter(|_| expectation == Expectation::Failure) {
                 before.expectation = Expectation::Success;
             }

@@ -4,7 +4,7 @@
 //! message of a panic and the order of functions may differ; sizes of functions and statics then
 //! tell whether anything else does.
 
-use super::compare::{CommandResult, ResultComparison};
+use super::compare::{self, Values};
 use crate::artefacts::{self, FirmwareBoard};
 use crate::{install, shell};
 use anyhow::Result;
@@ -12,27 +12,24 @@ use image_analysis::symbols::Image;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-pub fn compare(old_tree: &Path) -> Result<Vec<(String, ResultComparison)>> {
+/// Compares the images and counts those that differ.
+pub fn compare(old_tree: &Path) -> Result<usize> {
     install::thumb_target()?;
-    let compared = |board: FirmwareBoard| {
+    let mut different = 0;
+    for board in FirmwareBoard::ALL {
         shell::announce(&format!("images of {}", board.feature()));
-        let old = result(&Image::read(&artefacts::image_in(old_tree, "firmware", board)?)?);
-        let new = result(&Image::read(&artefacts::firmware(board)?)?);
-        Ok((format!("image {}", board.feature()), ResultComparison::of(&old, &new)))
-    };
-    FirmwareBoard::ALL.into_iter().map(compared).collect()
+        let old = values(&Image::read(&artefacts::image_in(old_tree, "firmware", board)?)?);
+        let new = values(&Image::read(&artefacts::firmware(board)?)?);
+        different += usize::from(compare::differs(&format!("image {}", board.feature()), &old, &new));
+    }
+    Ok(different)
 }
 
-fn result(image: &Image) -> CommandResult {
-    let mut result = CommandResult::default();
-    for section in &image.sections {
-        result.add_content(&section.name, &section.content);
-    }
+fn values(image: &Image) -> Values {
     let mut sizes: BTreeMap<&str, Vec<u64>> = BTreeMap::new();
     image.symbols.iter().for_each(|symbol| sizes.entry(&symbol.name).or_default().push(symbol.size));
-    for (name, mut sizes) in sizes {
-        sizes.sort_unstable();
-        result.values.insert(format!("size of {name}"), sizes.into());
-    }
-    result
+    sizes.values_mut().for_each(|sizes| sizes.sort_unstable());
+    let sizes = sizes.into_iter().map(|(name, sizes)| (format!("size of {name}"), format!("{sizes:?}")));
+    let sections = image.sections.iter().map(|section| (section.name.clone(), compare::digest(&section.content)));
+    sections.chain(sizes).collect()
 }

@@ -1,17 +1,15 @@
-//! Whether two builds of the command `anemo`, an older one and this tree's, give the same results,
-//! to the bit.
+//! Results of two builds of the command `anemo`, an older one and this tree's, compared to the bit.
 //!
 //! Each runs every experiment in process, and then the commands of `steps.txt`, in a folder of its
-//! own. What they print, their exit codes and the files that they write are compared, numbers as
-//! text. A key that only one of them has is named, and no fault. Sentences for people are not
-//! compared. With `--firmware` the images of both boards are built in both trees and compared.
+//! own. JSON that they print, their exit codes and the files that they write are compared, numbers
+//! as text. With `--firmware` the images of both boards are built in both trees and compared.
 
 mod compare;
 mod firmware;
 
 use crate::{artefacts, shell, sources};
-use anyhow::{Context, Result, bail};
-use compare::{CommandResult, ResultComparison};
+use anyhow::{Context, Result, bail, ensure};
+use compare::Values;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -42,9 +40,9 @@ const REFUSED: i32 = 2;
 
 pub fn run(options: &SameResultsOptions) -> Result<()> {
     let absolute = |path: &Path| path.canonicalize().with_context(|| format!("there is no {}", path.display()));
-    let mut rows = Vec::new();
+    let mut different = 0;
     if let Some(tree) = &options.firmware {
-        rows.extend(firmware::compare(&absolute(tree)?)?);
+        different += firmware::compare(&absolute(tree)?)?;
     }
     if let Some(old) = &options.old {
         let old = absolute(old)?;
@@ -56,17 +54,17 @@ pub fn run(options: &SameResultsOptions) -> Result<()> {
                 [("old", old), ("new", new)].map(|(name, program)| scope.spawn(|| results(name, program, &lines)));
             threads.map(|thread| thread.join().unwrap_or_else(|_| bail!("a thread has ended early")))
         });
-        let (old, mut new) = (old?, new?);
-        for (name, old) in &old {
-            rows.push((name.clone(), ResultComparison::of(old, &new.remove(name).unwrap_or_default())));
+        let (old, new) = (old?, new?);
+        let (none, names) = (Values::new(), old.keys().chain(new.keys()).collect::<BTreeSet<_>>());
+        let values = |results: &BTreeMap<String, Values>| results.values().map(Values::len).sum::<usize>();
+        println!("{} values of {} commands and files", values(&old), names.len());
+        for name in names {
+            let [old, new] = [&old, &new].map(|results| results.get(name).unwrap_or(&none));
+            different += usize::from(compare::differs(name, old, new));
         }
-        rows.extend(new.into_iter().map(|(name, new)| (name, ResultComparison::of(&CommandResult::default(), &new))));
     }
-    compare::print(&rows);
-    match rows.iter().filter(|(_, comparison)| !comparison.different.is_empty()).count() {
-        0 => Ok(()),
-        faults => bail!("{faults} results differ; files are kept in {}", folder()?.display()),
-    }
+    ensure!(different == 0, "{different} results differ; files are kept in {}", folder()?.display());
+    Ok(())
 }
 
 fn folder() -> Result<PathBuf> {
@@ -98,7 +96,7 @@ fn lines(with_long: bool) -> Result<Vec<String>> {
 }
 
 /// Results of all commands, and then of all files that they leave.
-fn results(name: &str, anemo: PathBuf, lines: &[String]) -> Result<BTreeMap<String, CommandResult>> {
+fn results(name: &str, anemo: PathBuf, lines: &[String]) -> Result<BTreeMap<String, Values>> {
     let folder = folder()?.join(name);
     if folder.exists() {
         std::fs::remove_dir_all(&folder)?;
@@ -117,19 +115,20 @@ fn results(name: &str, anemo: PathBuf, lines: &[String]) -> Result<BTreeMap<Stri
             let mut command = Command::new(program);
             command.current_dir(&folder).args(words).stdin(Stdio::null());
             let output = command.output().with_context(|| format!("{} cannot be started", program.display()))?;
-            let result = CommandResult::of_command(&output);
+            let mut values = compare::of_json(&String::from_utf8_lossy(&output.stdout));
+            values.insert("exit code".into(), format!("{:?}", output.status.code()));
             let is_refused = output.status.code() == Some(REFUSED);
             if !is_refused && !line.starts_with('?') && output.status.success() == is_to_fail {
                 let errors = String::from_utf8_lossy(&output.stderr);
                 bail!("{name}: `{spelling}` ends with {}: {}", output.status, errors.trim());
             }
-            results.insert(line.clone(), result);
+            results.insert(line.clone(), values);
             if !is_refused {
                 break;
             }
         }
-        let code = results.get(line).and_then(|result| result.values.get("exit code")?.as_i64());
-        if !line.starts_with(['?', '!']) && code != Some(0) {
+        let code = results.get(line).and_then(|values| values.get("exit code"));
+        if !line.starts_with(['?', '!']) && code.is_none_or(|code| code != "Some(0)") {
             bail!("{name}: `{line}` is refused in every spelling");
         }
     }
@@ -137,7 +136,7 @@ fn results(name: &str, anemo: PathBuf, lines: &[String]) -> Result<BTreeMap<Stri
     for path in files(&folder)?.into_iter().filter(|path| !is_dated(path)) {
         let content = std::fs::read(&path).with_context(|| format!("{} cannot be read", path.display()))?;
         let path = path.strip_prefix(&folder).unwrap_or(&path).display().to_string();
-        results.insert(format!("file {path}"), CommandResult::of_file(&path, &content));
+        results.insert(format!("file {path}"), compare::of_file(&path, &content));
     }
     Ok(results)
 }

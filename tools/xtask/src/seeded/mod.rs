@@ -13,14 +13,12 @@ use crate::artefacts::{self, FirmwareBoard};
 use crate::{install, shell};
 use anyhow::{Context, Result, bail};
 use std::collections::BTreeSet;
-use std::fs::File;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
-use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::process::Stdio;
+use std::time::Instant;
 
-/// What takes longer hangs, which counts as a failure.
-const LONGEST_SCENARIO: Duration = Duration::from_secs(300);
+/// A scenario that takes longer hangs, which counts as a failure.
+const LONGEST_SCENARIO_S: u32 = 300;
 
 #[derive(clap::Args, Default)]
 pub struct SeededOptions {
@@ -48,7 +46,7 @@ struct SeededChange {
     path: String,
     /// All of the file with it.
     text: String,
-    /// Whether unit tests of the firmware's library may fail, which then is enough.
+    /// Unit tests of the firmware's library may fail, which then is enough.
     has_unit_tests: bool,
     /// One of these has to fail; they run in this order.
     scenarios: Vec<String>,
@@ -181,31 +179,14 @@ impl Workbench {
 
     /// Runs scenarios of this name on an image.
     fn scenario(&self, image: &Path, name: &str) -> Result<ScenarioEnd> {
-        let told = self.tree.join("target/scenario.txt");
-        let output = File::create(&told).with_context(|| format!("{} cannot be written", told.display()))?;
-        let mut command = Command::new(&self.scenarios);
+        let mut command = shell::limited(LONGEST_SCENARIO_S, &self.scenarios);
         command.current_dir(shell::root().join("tools/silicon")).env("ANEMO_SENSOR_FIRMWARE", image).arg(name);
-        let mut child = command.stdout(output.try_clone()?).stderr(output).spawn()?;
-        let start = Instant::now();
-        let status = loop {
-            if let Some(status) = child.try_wait()? {
-                break Some(status);
-            }
-            if start.elapsed() > LONGEST_SCENARIO {
-                child.kill()?;
-                child.wait()?;
-                break None;
-            }
-            sleep(Duration::from_millis(50));
-        };
-        let output = read(&told)?;
+        let ended = command.stdin(Stdio::null()).output()?;
+        let output = String::from_utf8_lossy(&[ended.stdout, ended.stderr].concat()).into_owned();
         if output.contains("\nrunning 0 tests") {
             bail!("there is no scenario {name}");
         }
-        Ok(match status {
-            Some(status) if status.success() => ScenarioEnd::Passed,
-            _ => ScenarioEnd::Failed(output),
-        })
+        Ok(if ended.status.success() { ScenarioEnd::Passed } else { ScenarioEnd::Failed(output) })
     }
 }
 

@@ -25,7 +25,7 @@ const SCENARIOS: [&str; 12] = [
     "settings::",
 ];
 
-/// As `cargo mutants --list --json` prints them.
+/// Mutant as `cargo mutants --list --json` prints it.
 #[derive(Deserialize)]
 struct Mutant {
     name: String,

@@ -22,7 +22,7 @@ const DIRECTION_ERROR_MAX_RAD: f32 = 1.0;
 pub struct CardCalibration {
     /// The card as drawn.
     pub drawn: DrawnCard,
-    /// As a head file has them.
+    /// Curves as a head file has them.
     pub curves: CardTable,
     /// n
     pub exponent: f64,

@@ -55,7 +55,7 @@ pub fn differences(winds: &[CardWind]) -> Option<DieDifferences> {
             sum(&along_terms, libm::cos, 0).powi(2) + sum(&around_terms, libm::sin, 1).powi(2)
         })
         .sum();
-    // Of one component beside the size of both; two components a wind less what was fitted to them.
+    // Size of one component over that of both; two components a wind, less the fitted ones.
     let free = (2 * winds.len()).saturating_sub(2 * TERMS + 3).max(1) as f64;
     let share = ((along_left + around_left) / free / (size2 / winds.len() as f64)).sqrt();
     Some(DieDifferences {
@@ -69,8 +69,8 @@ pub fn differences(winds: &[CardWind]) -> Option<DieDifferences> {
 
 /// Harmonics of E that are sought.
 const SEEN: usize = 5;
-/// What a bend of the mean curve by a factor of e from one knot to the next costs, and a harmonic
-/// of E, beside a relative error of one.
+/// Cost of a bend of the mean curve by a factor of e from one knot to the next, and a harmonic of
+/// E, beside a relative error of one.
 const BEND: f64 = 0.05;
 const HARMONIC: f64 = 1e-3;
 const MOST_STEPS: usize = 60;

@@ -29,7 +29,7 @@ pub struct DrawnCard {
 pub struct CardWind {
     /// √Re
     pub root: f64,
-    /// Of where the gas goes to, from the tip around the boom, rad.
+    /// Direction of where the gas goes to, from the tip around the boom, rad.
     pub angle: f64,
     /// M
     pub mean: f64,
@@ -118,7 +118,7 @@ const SECTORS: usize = 12;
 const LEAST_WINDS: usize = 40;
 /// Least ratio of the greatest to the least speed.
 const LEAST_RATIO: f64 = 3.0;
-/// Which winds are missing, a sentence each.
+/// Winds that are missing, a sentence each.
 pub fn lacking(winds: &[CardWind]) -> Vec<String> {
     let mut lacking = Vec::new();
     if winds.len() < LEAST_WINDS {

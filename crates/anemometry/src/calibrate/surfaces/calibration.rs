@@ -1,4 +1,4 @@
-//! What a calibration found, as text and as dr-core's configurations.
+//! Result of a calibration, as text and as dr-core's configurations.
 //!
 //! Standard uncertainties are by the noise of the readings and by the misfit of the model
 //! ([`fit`](super::fit)).
@@ -27,12 +27,12 @@ use crate::vector::length;
 
 /// Nusselt numbers beyond so many times published ones are those of wrong units.
 const UNLIKELY: f64 = 5.0;
-/// What a gas that is a kelvin beyond those of the calibration adds to the uncertainty of the
+/// Amount that a gas one kelvin beyond those of the calibration adds to the uncertainty of the
 /// speed, as its share, and of the direction, °: of calibrations in gas of one temperature, and of
 /// several (`studies benchmark field`).
 const AWAY_OF_ONE: (f64, f64) = (1.6e-3, 0.016);
 const AWAY_OF_TWO: (f64, f64) = (1.5e-4, 0.008);
-/// How far apart quiescent gas was for these, K.
+/// Distance of two readings of quiescent gas for these, K.
 const AWAY_OF_TWO_K: f64 = 30.0;
 /// Share of the winds, from either end of their gas temperatures, that say nothing of a gas.
 const FEW_WINDS: f64 = 0.05;
@@ -48,7 +48,7 @@ const FITTED: f64 = 0.5;
 /// A calibrated head.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurfaceCalibration {
-    /// What the surfaces belong to.
+    /// Form that the surfaces belong to.
     pub form: HeadForm,
     /// Diameter, m.
     pub diameter_m: f64,
@@ -61,13 +61,13 @@ pub struct SurfaceCalibration {
     /// Standard errors of small turns about the head's axes, rad; of two hemispheres nothing about
     /// their own.
     pub rotation_error_rad: [f64; 3],
-    /// Of (q − q̂) over the convective power, rms.
+    /// Size of (q − q̂) over the convective power, rms.
     pub residual_rms: f64,
     /// χ² of the fit.
     pub chi_square: f64,
     /// Readings less what of the unknowns they determine.
     pub degrees_of_freedom: f64,
-    /// Of the stated standard uncertainties of the readings over the convective power, rms.
+    /// Size of the stated standard uncertainties of the readings over the convective power, rms.
     pub reading_rms: f64,
     /// Misfit of the model over the convective power, rms: what residuals are beyond the
     /// uncertainty of the readings.
@@ -77,7 +77,7 @@ pub struct SurfaceCalibration {
     /// Winds that were used, and how many of them were quiescent gas. Without quiescent gas G0
     /// rests on k A / d and its 30 %.
     pub winds: usize,
-    /// Of these, readings of quiescent gas.
+    /// Number of these, readings of quiescent gas.
     pub quiescent: usize,
     /// Coefficients of an amplitude, as many as the speeds allowed; none by King's law.
     pub coefficients: Option<usize>,
@@ -87,13 +87,13 @@ pub struct SurfaceCalibration {
     pub orders: Vec<usize>,
     /// Σ of squares, of the readings and of what was known before.
     pub cost: f64,
-    /// How the convection of a sphere is taken.
+    /// Convection of a sphere.
     pub convection: Option<ConvectionModelTable>,
     /// Standard uncertainties of a and b of the rise, where it is sought.
     pub rise_errors: Option<[f64; 2]>,
-    /// What was sought of it.
+    /// Unknowns that were sought.
     pub sought: SoughtConvection,
-    /// Whether all winds are of one plane, though the head determines more.
+    /// All winds are of one plane, though the head determines more.
     pub is_of_plane: bool,
 }
 
@@ -106,7 +106,7 @@ pub struct CalibratedSurface {
     /// Outward, in the tunnel's frame.
     #[serde(skip)]
     pub axis: [f64; 3],
-    /// As the board takes it, in the tunnel's frame.
+    /// Configuration of the board, in the tunnel's frame.
     #[serde(skip)]
     pub config: SurfaceConfig,
     /// c, of mean one.
@@ -119,8 +119,8 @@ pub struct CalibratedSurface {
     /// Standard uncertainty of G0, W/K.
     #[serde(rename = "se_quiescent_w_k")]
     pub quiescent_error_w_k: f64,
-    /// Whether the readings determine G0; else it is k̄ A / d times the Nusselt number at rest,
-    /// taken with its 30 %.
+    /// The readings determine G0; else it is k̄ A / d times the Nusselt number at rest, taken with
+    /// its 30 %.
     #[serde(skip)]
     pub is_quiescent_fitted: bool,
 }
@@ -153,7 +153,7 @@ impl SurfaceCalibration {
                 gain: place.gains[i],
                 gain_error: gain_errors[i],
                 quiescent_w_k: place.quiescent[i] * problem.quiescent_unit_w_k[i],
-                // Of other forms the Nusselt number at rest is no better known than G0 itself.
+                // The Nusselt number at rest of other forms is no better known than G0 itself.
                 is_quiescent_fitted: head.form.is_sphere() && quiescent_errors[i] < FITTED * QUIESCENT * family.at_rest,
                 quiescent_error_w_k: problem.quiescent_unit_w_k[i]
                     * match head.form {
@@ -228,12 +228,12 @@ impl SurfaceCalibration {
         [least, self.curves.most_reynolds]
     }
 
-    /// What the calibration is worth.
+    /// Grade of the calibration.
     pub fn grade(&self) -> CalibrationGrade {
         CalibrationGrade::of(self.misfit_rms)
     }
 
-    /// What is wrong with it, a sentence each.
+    /// Warnings, a sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let mut sentences = Vec::new();
         if self.grade() == CalibrationGrade::Poor {
@@ -267,7 +267,7 @@ impl SurfaceCalibration {
         sentences
     }
 
-    /// What a stream adds to the mean Nusselt number over 0.6 Re^½, about that of published
+    /// Amount that a stream adds to the mean Nusselt number over 0.6 Re^½, about that of published
     /// spheres, cylinders and wires; geometric mean over the range of speeds.
     fn over_published(&self) -> f64 {
         let at_rest = f64::from(self.form.nusselt_at_rest());
@@ -377,7 +377,7 @@ pub(super) struct BoardHead {
     pub convection: Option<ConvectionSettings>,
 }
 
-/// Whether no wind leaves some plane by more than a few degrees.
+/// Tells whether no wind leaves some plane by more than a few degrees.
 fn is_of_plane(problem: &SurfaceProblem<'_>) -> bool {
     let towards = problem.winds.iter().filter(|wind| !wind.is_quiescent()).map(|wind| Vector3::from(wind.towards));
     let count = towards.clone().count().max(1) as f64;
@@ -385,7 +385,7 @@ fn is_of_plane(problem: &SurfaceProblem<'_>) -> bool {
     SymmetricEigen::new(spread / count).eigenvalues.min() < LEAST_OUT.powi(2)
 }
 
-/// How the convection was taken, if otherwise than by the gas in the wind itself.
+/// Convection, if otherwise than by the gas in the wind itself.
 fn convection(problem: &SurfaceProblem<'_>, fitted: &SurfaceFit) -> Option<ConvectionModelTable> {
     let (sought, place) = (&problem.head.drawn.convection, &fitted.place);
     let is_sphere = problem.head.form().is_sphere();
@@ -418,7 +418,7 @@ fn convection(problem: &SurfaceProblem<'_>, fitted: &SurfaceFit) -> Option<Conve
     gas_c.sort_by(f64::total_cmp);
     let few = (FEW_WINDS * gas_c.len() as f64) as usize;
     let gas_c = [*gas_c.get(few)?, *gas_c.get(gas_c.len() - 1 - few)?];
-    // What a farther temperature would say better.
+    // A farther temperature would say this better.
     let farther = AWAY_OF_TWO_K / problem.quiescent_range_k().max(1.0);
     let per_k = |of_two: f64, of_one: f64| {
         if sought.is_rest_sought { (of_two * farther).clamp(of_two, of_one) } else { of_one }

@@ -1,6 +1,6 @@
-//! Which convection the readings of a sphere determine, other forms have it from an option: at
-//! which temperature properties are taken, whether Nu at rest, the rise of the warmed gas and a map
-//! of the stem are fitted, and whether quiescent gas contradicts the winds.
+//! Convection that the readings of a sphere determine, other forms have it from an option: at which
+//! temperature properties are taken, whether Nu at rest, the rise of the warmed gas and a map of
+//! the stem are fitted, and whether quiescent gas contradicts the winds.
 //!
 //! Each is added if the cost falls by more than chance and the misfit of the model explain:
 //!
@@ -27,7 +27,7 @@ const LEAST_BEHIND: usize = 6;
 /// Standard uncertainties by which quiescent gas contradicts winds, rms.
 const CONTRADICTS: f64 = 8.0;
 
-/// What is known of a head's convection beside its readings.
+/// Knowledge of a head's convection beside its readings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ConvectionOptions {
     /// At which share of the way from the gas to the surfaces properties are taken, if it is known.
@@ -101,7 +101,8 @@ struct Candidate<'a> {
 }
 
 impl<'a> Candidate<'a> {
-    /// What the readings do not follow at all has no finite cost: something more may explain it.
+    /// A convection that the readings do not follow has no finite cost: something more may explain
+    /// it.
     fn of(head: &'a DrawnSurfaces, steady: &'a [SteadyWind], convection: SoughtConvection) -> Self {
         let (cost, spread) = match solve(&DrawnSurfaces { convection: convection.clone(), ..head.clone() }, steady) {
             Ok(found) => (found.cost, (found.cost / found.degrees_of_freedom.max(1.0)).max(1.0)),

@@ -16,7 +16,7 @@
 //! | directions | all winds, of whatever speed, from one region of directions: those nearest to one of K of them that lie far apart | does it know directions that it has not seen? |
 //! | speeds | all winds, from wherever, of a band of neighbouring speeds; the slowest and the fastest always stay, for beyond them nothing is claimed | does it know speeds that it has not seen? |
 //!
-//! Of a single element, which has no directions, every n-th wind in the order of speeds is left
+//! For a single element, which has no directions, every n-th wind in the order of speeds is left
 //! out. Still gas always stays. Every fold is fitted from nothing.
 
 use dr_core::wind::{ConvectionSettings, HeadForm, MeasuredConductance, QualityFlags, WindEstimate, WindState};
@@ -75,7 +75,7 @@ pub fn compare(calibration: &SurfaceCalibration, steady: &SteadyWind) -> Result<
     }))
 }
 
-/// What of a wind the head sees.
+/// Part of a wind that the head sees.
 fn seen(calibration: &SurfaceCalibration, wind_m_s: [f64; 3]) -> [f64; 3] {
     match calibration.form {
         HeadForm::Cylinder | HeadForm::Wires => {
@@ -85,7 +85,7 @@ fn seen(calibration: &SurfaceCalibration, wind_m_s: [f64; 3]) -> [f64; 3] {
     }
 }
 
-/// What the board makes of a reading, and the conductances from which it does.
+/// Estimate that the board makes of a reading, and the conductances from which it does.
 fn estimate(
     calibration: &SurfaceCalibration,
     steady: &SteadyWind,

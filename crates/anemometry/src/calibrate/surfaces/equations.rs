@@ -32,7 +32,7 @@ const GAIN: f64 = 0.2;
 /// Standard error of a turn about the only axis before any reading, rad.
 const TURN: f64 = 0.1;
 
-/// Of ln Re, over which the slopes of amplitudes are taken.
+/// Step in Re, over which the slopes of amplitudes are taken.
 const SLOPE_STEP: f64 = 1e-3;
 
 /// U²/v² at least: that of a wind 0.06° from a wire of no yaw.
@@ -50,7 +50,7 @@ pub struct SurfaceProblem<'a> {
     pub quiescent_unit_w_k: Vec<f64>,
     /// Z
     pub spread: DMatrix<f64>,
-    /// What is sought of King's law.
+    /// Unknowns of King's law.
     pub sought: Vec<LawUnknown>,
     /// A_n(Re) of every wind that is not still.
     at: Vec<Option<BasisAt>>,
@@ -104,7 +104,7 @@ pub const LAST: FitStage = FitStage { blur: 0.0, size: SIZE };
 /// A point in the space of the unknowns.
 #[derive(Debug, Clone)]
 pub struct FitPoint {
-    /// Of the amplitudes.
+    /// Coefficients of the amplitudes.
     pub coefficients: Vec<f64>,
     /// c
     pub gains: Vec<f64>,
@@ -114,7 +114,7 @@ pub struct FitPoint {
     pub mounting: Mounting,
     /// King's law, where its exponent or yaw factor is sought.
     pub law: SoughtLaw,
-    /// What is sought of the stream.
+    /// Unknowns of the stream.
     pub stream: Vec<f64>,
 }
 
@@ -126,7 +126,7 @@ pub struct SurfaceEquations {
     pub b: DVector<f64>,
     /// Σ of squares, of the readings and of the prior.
     pub cost: f64,
-    /// Of the readings alone, and their share of H.
+    /// Sum of squares of the readings alone, and their share of H.
     pub chi_square: f64,
     /// H of the readings alone.
     pub of_readings: DMatrix<f64>,
@@ -150,7 +150,7 @@ impl<'a> SurfaceProblem<'a> {
         Self { head, winds, family, quiescent_unit_w_k, spread: sum_zero(n), sought: Vec::new(), at }
     }
 
-    /// As drawn: no amplitudes beyond quiescent gas yet, gains of one.
+    /// Point as drawn: no amplitudes beyond quiescent gas yet, gains of one.
     pub fn drawn(&self) -> FitPoint {
         let n = self.head.surfaces.len();
         FitPoint {
@@ -199,7 +199,7 @@ impl<'a> SurfaceProblem<'a> {
         self.first_of_stream(place) + place.stream.len()
     }
 
-    /// Whether the stream of a point can be.
+    /// Tells whether the stream of a point can be.
     pub fn has_stream(&self, place: &FitPoint) -> bool {
         place.stream.is_empty() || self.head.drawn.convection.free_stream(&place.stream).is_some()
     }
@@ -424,7 +424,7 @@ struct StreamAt<'a> {
     from: Vector3<f64>,
     /// ln(Re/Re_most)
     speed_ln: f64,
-    /// How r moves with what is sought of it, over Re.
+    /// Change of r with what is sought of it, over Re.
     moves: Vec<Vector3<f64>>,
     /// d a_n / d ln Re
     slopes: [f64; ORDERS],

@@ -46,14 +46,14 @@ const MOST_COUNT: usize = 9;
 /// A mean less than this is none.
 const SEEN: f32 = 1e-6;
 
-/// How amplitudes depend on the Reynolds number.
+/// Dependence of amplitudes on the Reynolds number.
 #[derive(Debug, Clone, PartialEq)]
 pub enum AmplitudeShape {
     /// Freely, by a basis over the logarithm of the Reynolds number.
     Spline(Spline),
     /// By King's law itself, whose exponent and yaw factor are sought.
     Law,
-    /// As one power of it, with the shares of the orders.
+    /// King's law: one power of it, with the shares of the orders.
     King {
         /// m
         exponent: f64,
@@ -65,7 +65,7 @@ pub enum AmplitudeShape {
 /// Amplitudes over the Reynolds number.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AmplitudeFamily {
-    /// How they depend on it.
+    /// Dependence on it.
     pub shape: AmplitudeShape,
     /// β_0
     pub at_rest: f64,
@@ -75,11 +75,11 @@ pub struct AmplitudeFamily {
     pub most_reynolds: f64,
     /// The orders that the head sees.
     pub orders: Vec<usize>,
-    /// Whether Nu at rest is sought, as what the last coefficient adds to β_0.
+    /// Nu at rest is sought, as what the last coefficient adds to β_0.
     pub is_rest_sought: bool,
 }
 
-/// What a unit of each coefficient gives to each amplitude at one Reynolds number.
+/// Amount that a unit of each coefficient gives to each amplitude at one Reynolds number.
 pub type BasisAt = Vec<[f64; ORDERS]>;
 
 impl AmplitudeFamily {
@@ -271,7 +271,7 @@ mod tests {
         let spline = Spline::through(&[0.0, 0.5, 1.0, 1.7, 2.6, 3.0], 7);
         let at: Vec<f64> = (0..7).map(|k| spline.knots[k + 1..=k + 3].iter().sum::<f64>() / 3.0).collect();
         for (k, c) in spline.curvatures() {
-            // Of a parabola x² it is 2, of a straight line nothing.
+            // It is 2 for a parabola x², nothing for a straight line.
             let of = |f: fn(f64) -> f64| (0..3).map(|j| c[j] * f(at[k + j])).sum::<f64>();
             assert!((of(|x| x * x) - 2.0).abs() < 1e-10 && of(|x| 3.0 * x - 1.0).abs() < 1e-10);
         }

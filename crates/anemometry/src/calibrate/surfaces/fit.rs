@@ -54,7 +54,7 @@ pub struct SurfaceFit {
     pub place: FitPoint,
     /// The equations there.
     pub equations: SurfaceEquations,
-    /// Of the unknowns, misfit included; zero for a γ that stands at zero.
+    /// Covariance of the unknowns, misfit included; zero for a γ that stands at zero.
     pub covariance: DMatrix<f64>,
     /// Readings less what of the unknowns they determine.
     pub degrees_of_freedom: f64,
@@ -113,7 +113,7 @@ fn descend(problem: &SurfaceProblem<'_>, mut place: FitPoint, stage: FitStage) -
             && step.iter().all(|x| x.is_finite())
             && problem.has_stream(&there);
         let next = sane.then(|| problem.equations(&there, stage)).filter(|next| next.cost < here.cost);
-        // Of readings that scatter by more than they say, a standard error is larger.
+        // Readings that scatter by more than they say have a larger standard error.
         let scatter = (here.cost / here.residuals.len() as f64).max(1.0);
         // Tenfold and a tenth of it do not bring a damping back to the bit.
         let is_free = damping < 2.0 * DAMPING;
@@ -195,11 +195,11 @@ fn covariance(problem: &SurfaceProblem<'_>, place: &FitPoint, at: &SurfaceEquati
 const GOOD: f64 = 2e-3;
 /// Misfit up to which it is fair: 2 to 3 % of speed.
 const FAIR: f64 = 1e-2;
-/// What to do about a poor one.
+/// Advice on a poor one.
 pub const ADVICE: &str =
     "check labels and frame of the winds, the order of the surfaces, and what stands in the stream";
 
-/// What a calibration is worth.
+/// Grade of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum CalibrationGrade {
@@ -212,7 +212,7 @@ pub enum CalibrationGrade {
 }
 
 impl CalibrationGrade {
-    /// Of a misfit over the convective power, rms.
+    /// Grade of a misfit over the convective power, rms.
     pub fn of(misfit_rms: f64) -> Self {
         match misfit_rms {
             misfit if misfit <= GOOD => Self::Good,

@@ -1,5 +1,5 @@
-//! How the head is mounted: the turn R from the tunnel's frame into the head's, and the small turns
-//! by which it is improved.
+//! Mounting of the head: the turn R from the tunnel's frame into the head's, and the small turns by
+//! which it is improved.
 //!
 //! ```text
 //! R ← exp([T δ]×) R     T: 3 × 3 identity; 3 × 2 across the axis of a head that has only one;
@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, Rotation3, Unit, Vector3};
 /// Sine below which axes lie on one line, as in dr-core's `frame`.
 const LEAST_SINE: f64 = 0.1;
 
-/// How a head is turned in the tunnel.
+/// Turn of a head in the tunnel.
 #[derive(Debug, Clone)]
 pub struct Mounting {
     /// R, from the tunnel's frame into the head's.
@@ -26,7 +26,7 @@ pub struct Mounting {
 }
 
 impl Mounting {
-    /// As drawn: both frames the same.
+    /// Mounting as drawn: both frames the same.
     pub fn drawn(form: HeadForm, surfaces: &[NusseltSurface]) -> Self {
         let rotation = Rotation3::identity();
         match form {

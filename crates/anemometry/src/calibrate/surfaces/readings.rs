@@ -40,19 +40,19 @@ const MOST_ACROSS: f64 = 0.1;
 /// A head as drawn: its surfaces in its own frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrawnSurfaces {
-    /// What they belong to.
+    /// Form that they belong to.
     pub form: HeadForm,
-    /// How their loss depends on the speed.
+    /// Dependence of their loss on the speed.
     pub law: LossLaw,
     /// Diameter, m.
     pub diameter_m: f64,
-    /// As many as the form has at least.
+    /// Surfaces, at least as many as the form has.
     pub surfaces: Vec<DrawnSurface>,
-    /// How convection is taken.
+    /// Convection that is sought.
     pub convection: SoughtConvection,
 }
 
-/// How the convective loss depends on the speed.
+/// Dependence of the convective loss on the speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LossLaw {
     /// Smoothly and rising.
@@ -76,7 +76,7 @@ pub struct DrawnSurface {
 /// The head, checked.
 #[derive(Debug, Clone)]
 pub struct SurfaceGeometry<'a> {
-    /// As drawn.
+    /// Surfaces as drawn.
     pub drawn: &'a DrawnSurfaces,
     /// Surfaces, checked by dr-core.
     pub surfaces: Vec<NusseltSurface>,
@@ -112,26 +112,26 @@ pub struct CheckedWind {
 /// Reading of a surface, checked.
 #[derive(Debug, Clone, Copy)]
 pub struct CheckedReading {
-    /// As it was taken.
+    /// Reading as it was taken.
     pub reading: SurfaceReading,
     /// k A / d: conductance at a Nusselt number of one, W/K.
     pub unit_w_k: f64,
 }
 
 impl CheckedWind {
-    /// Whether the gas is quiescent.
+    /// Tells whether the gas is quiescent.
     pub fn is_quiescent(&self) -> bool {
         self.reynolds == 0.0
     }
 }
 
 impl SurfaceGeometry<'_> {
-    /// What the surfaces belong to.
+    /// Form that the surfaces belong to.
     pub fn form(&self) -> HeadForm {
         self.drawn.form
     }
 
-    /// Whether the axes of its surfaces span space, so that it determines all of a wind.
+    /// Tells whether the axes of its surfaces span space, so that it determines all of a wind.
     pub fn is_complete(&self) -> bool {
         let axes: Vec<[f64; 3]> = self.surfaces.iter().map(|of| of.axis().map(f64::from)).collect();
         let spans = |a: &[f64; 3], b: &[f64; 3]| axes.iter().any(|c| dot(cross(*a, *b), *c).abs() > LEAST_VOLUME);
@@ -213,7 +213,7 @@ fn wind(head: &SurfaceGeometry<'_>, given: usize, steady: &SteadyWind) -> Result
     })
 }
 
-/// What of a wind the head sees.
+/// Part of a wind that the head sees.
 fn in_plane(head: &SurfaceGeometry<'_>, steady: &SteadyWind) -> Result<[f64; 3], CalibrateError> {
     let wind_m_s = steady.wind_m_s;
     let (HeadForm::Cylinder | HeadForm::Wires, Some(first)) = (head.form(), head.surfaces.first()) else {
@@ -315,7 +315,7 @@ pub fn chord(towards: [f64; 3], axis: [f64; 3]) -> f64 {
     (2.0 + 2.0 * dot(towards, axis)).max(0.0).sqrt()
 }
 
-/// Whether a wind comes from where a stem may matter.
+/// Tells whether a wind comes from where a stem may matter.
 pub fn is_behind(wind: &CheckedWind, axis: [f64; 3]) -> bool {
     !wind.is_quiescent() && chord(wind.towards, axis) < f64::from(STEM_CHORD)
 }

@@ -29,11 +29,11 @@ use super::spread::all_angles;
 
 use crate::vector::length;
 
-/// Of the convective power, rms. Two parts in each other's place leave 24 %; no stem takes as much
-/// as this.
+/// Share of the convective power, rms. Two parts in each other's place leave 24 %; no stem takes as
+/// much as this.
 const MOST_RESIDUAL_RMS: f64 = 0.1;
 
-/// Of the slowest stream that the rise leaves of a wind: it is known only afterwards.
+/// Share of the slowest stream that the rise leaves of a wind: it is known only afterwards.
 const SLOWER: f64 = 0.7;
 
 /// Calibrates a head.
@@ -98,8 +98,8 @@ pub fn solve(head: &DrawnSurfaces, steady: &[SteadyWind]) -> Result<SurfaceCalib
     family.is_rest_sought = head.convection.is_rest_sought;
     let mut calibration = by_law(head.law, &ready, &winds, &family)?;
     if calibration.grade() == CalibrationGrade::Poor {
-        // What the model cannot follow is no reason to bend it from wind to wind: readings that
-        // count for no more than the model is true leave it smooth.
+        // A wind that the model cannot follow is no reason to bend it from wind to wind: readings
+        // that count for no more than the model is true leave it smooth.
         let coarse = by_law(head.law, &ready, &coarser(&winds, calibration.misfit_rms), &family)?;
         let SurfaceCalibration { chi_square, reading_rms, misfit_rms, .. } = calibration;
         calibration = SurfaceCalibration { chi_square, reading_rms, misfit_rms, ..coarse };

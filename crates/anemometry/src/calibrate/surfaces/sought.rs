@@ -1,5 +1,5 @@
-//! How a sphere's convection is taken in a calibration, and the unknowns of the stream that it
-//! meets: the rise of the gas that it warms, and what is behind its stem.
+//! Convection of a sphere in a calibration, and the unknowns of the stream that it meets: the rise
+//! of the gas that it warms, and what is behind its stem.
 //!
 //! The equations of the stream stand in [`FreeStream`]; a calibration seeks their constants beside
 //! all others, by winds that it knows. Known before, with standard errors:
@@ -20,18 +20,18 @@ const BEND_ERROR: f64 = 0.05;
 /// Step of derivatives.
 const STEP: f64 = 0.01;
 
-/// How the convection of a sphere is taken, and what is sought of it.
+/// Convection of a sphere, and what is sought of it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SoughtConvection {
     /// Share of the way from the gas to the surfaces at which the properties of the gas are taken.
     pub film_share: f64,
-    /// Whether the Nusselt number at rest is sought.
+    /// The Nusselt number at rest is sought.
     pub is_rest_sought: bool,
     /// Gravity, m/s², and where up is, if the rise of the warmed gas is sought.
     pub rise: Option<Gravity>,
     /// Outward along the stem, if what is behind it is sought.
     pub stem: Option<[f64; 3]>,
-    /// Whether quiescent gas is left out, since it contradicts the winds.
+    /// Quiescent gas is left out, since it contradicts the winds.
     pub is_without_quiescent: bool,
 }
 
@@ -40,7 +40,7 @@ pub struct SoughtConvection {
 pub struct Gravity {
     /// m/s²; 0 where nothing rises.
     pub m_s2: f64,
-    /// Which way is up.
+    /// Direction that points up.
     pub up: [f64; 3],
 }
 
@@ -105,7 +105,7 @@ impl SoughtConvection {
         (0..unknowns.len()).map(|k| any(k).unwrap_or((FreeStream::default(), f64::INFINITY))).collect()
     }
 
-    /// What is known before: rows of (place, factor) with the value that their sum has, each with a
+    /// Prior knowledge: rows of (place, factor) with the value that their sum has, each with a
     /// standard error of one.
     pub fn prior(&self) -> Vec<(Vec<(usize, f64)>, f64)> {
         let mut rows: Vec<(Vec<(usize, f64)>, f64)> = Vec::new();

@@ -1,5 +1,5 @@
-//! Whether a set of winds can determine a calibration, before anything is fitted; and if not, which
-//! winds are missing.
+//! Check that a set of winds can determine a calibration, before anything is fitted; and if not,
+//! which winds are missing.
 //!
 //! | what the model needs | rule |
 //! |---|---|
@@ -17,12 +17,12 @@
 //! by the others. Angles are those of the head as drawn: they may be wrong by the mounting, for
 //! which the bounds have room.
 //!
-//! What each rule is worth, with 0.1 % of noise (tests `refused`): over a gap from 2.1 to 8 m/s
-//! winds of 3 to 5 m/s are estimated 1.1 % and 1.1° wrong, with winds of 4 m/s between 0.2 % and
-//! 0.1°. Winds along the edges of sectors alone make 0.4° of direction, with winds onto their axes
-//! and backs 0.05°. A sector that is never faced has a gain 1.4 times as uncertain. Two hemispheres
-//! in winds of one plane have no best fit that could be found, whereas four sectors lose nothing by
-//! it; so a head of several axes may stay on a turntable.
+//! Worth of each rule, with 0.1 % of noise (tests `refused`): over a gap from 2.1 to 8 m/s winds of
+//! 3 to 5 m/s are estimated 1.1 % and 1.1° wrong, with winds of 4 m/s between 0.2 % and 0.1°. Winds
+//! along the edges of sectors alone make 0.4° of direction, with winds onto their axes and backs
+//! 0.05°. A sector that is never faced has a gain 1.4 times as uncertain. Two hemispheres in winds
+//! of one plane have no best fit that could be found, whereas four sectors lose nothing by it; so a
+//! head of several axes may stay on a turntable.
 
 use dr_core::wind::HeadForm;
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
@@ -49,7 +49,7 @@ const HALF_OCTAVES: f64 = 2.5;
 /// Stands in a sentence for the range of speeds.
 const SPEEDS: &str = "{speeds}";
 
-/// What is missing, a sentence each; nothing if the winds will do.
+/// Missing winds, a sentence each; nothing if the winds will do.
 pub fn lacking(head: &SurfaceGeometry<'_>, winds: &[CheckedWind]) -> Vec<String> {
     let moving = ascending(winds);
     let mut sentences = few(head, winds);
@@ -77,8 +77,8 @@ pub fn lacking(head: &SurfaceGeometry<'_>, winds: &[CheckedWind]) -> Vec<String>
     sentences
 }
 
-/// What is missing from classes of speed, a sentence for every run of neighbouring classes that
-/// miss the same.
+/// Winds that are missing from classes of speed, a sentence for every run of neighbouring classes
+/// that miss the same.
 fn joined(classes: Vec<(ReynoldsRange, Vec<String>)>) -> Vec<String> {
     let mut runs: Vec<(ReynoldsRange, usize, String)> = Vec::new();
     for (at, (class, missing)) in classes.into_iter().enumerate() {
@@ -166,8 +166,8 @@ fn angles(head: &SurfaceGeometry<'_>, moving: &[&CheckedWind], class: &ReynoldsR
 
 /// Within so many degrees two angles are one.
 const SAME_ANGLE: f64 = 5.0;
-/// Of the angle between normals that are across each other, or along: half of what dr-core has for
-/// twice the angle.
+/// Sine of the angle between normals that are across each other, or along: half of what dr-core has
+/// for twice the angle.
 const LEAST_SINE: f64 = 0.05;
 /// So far, in degrees, a wind may lie beyond where its mirror image begins: a mounting is off by so
 /// much.
@@ -187,7 +187,7 @@ pub fn all_angles(head: &SurfaceGeometry<'_>, moving: &[&CheckedWind]) -> Vec<f6
     angles
 }
 
-/// How many angles the winds have to the surfaces, which bounds the orders that they determine; no
+/// Number of angles of the winds to the surfaces, which bounds the orders that they determine; no
 /// bound for a sphere.
 pub fn angles_apart(head: &SurfaceGeometry<'_>, moving: &[&CheckedWind]) -> usize {
     if head.form().is_sphere() {
@@ -243,7 +243,7 @@ fn some_surface(head: &SurfaceGeometry<'_>, moving: &[&CheckedWind], class: &Rey
     let mut sentences = Vec::new();
     let such_as = vector(Vector3::from(head.surfaces[0].axis().map(f64::from)));
     for (side, way, nearest) in [("front", "come from", least), ("rear", "go to", 180.0 - most)] {
-        // Of two surfaces back to back the one's front is the other's rear.
+        // Two surfaces back to back: the one's front is the other's rear.
         let said = !sentences.is_empty() && has_one_axis(head);
         if nearest > SOME_SURFACE && !said {
             sentences.push(format!(

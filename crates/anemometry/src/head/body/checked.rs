@@ -25,11 +25,11 @@ pub struct Body {
     pub links: Vec<BodyLink>,
     /// Node of every element of the head, in its order.
     pub elements: Vec<usize>,
-    /// What the wind sees.
+    /// Surfaces that the wind sees.
     pub convection: Vec<Convection>,
     /// The gas that the head is meant for.
     pub gas: Option<BodyGas>,
-    /// How much a specimen differs.
+    /// Difference of a specimen.
     pub tolerances: Option<Tolerances>,
     /// Numbers that nobody has published.
     pub unknown: Vec<UnknownNumber>,
@@ -142,7 +142,7 @@ fn unknown_numbers(source: &TomlSource, mut all: Vec<UnknownNumber>) -> Result<V
     Ok(all)
 }
 
-/// What stands at a dotted key, with `[n]` for the n-th of an array.
+/// Value at a dotted key, with `[n]` for the n-th of an array.
 pub fn place<'a>(document: &'a mut Value, of: &str) -> Option<&'a mut Value> {
     let mut value = document;
     for step in of.split('.') {

@@ -1,5 +1,5 @@
-//! What the wind sees of a body, read from its table: laws with possible sizes, surfaces with the
-//! normals that a law needs.
+//! Surfaces of a body that the wind sees, read from its table: laws with possible sizes, surfaces
+//! with the normals that a law needs.
 
 use recording::toml_file::FileError;
 

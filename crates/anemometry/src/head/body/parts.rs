@@ -12,14 +12,14 @@ pub struct BodyNode {
     pub name: String,
     /// Heat capacity at 0 °C, J/K.
     pub capacity_j_k: f64,
-    /// How much of that it gains with each kelvin, 1/K.
+    /// Share that it gains with each kelvin, 1/K.
     pub capacity_slope_per_k: f64,
 }
 
 /// An element as the body knows it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyElement {
-    /// As the head file has it.
+    /// Name in the head file.
     pub name: String,
     /// Outward unit vector of what the wind sees of it; none inside, nor where all winds see the
     /// same.
@@ -29,7 +29,7 @@ pub struct BodyElement {
 /// A way between nodes; `to` is none where it leads to the support.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BodyLink {
-    /// Of a conductance that stays.
+    /// Law of a conductance that stays.
     Solid {
         /// A node.
         from: usize,

@@ -5,6 +5,7 @@
 
 use std::collections::BTreeMap;
 
+use anyhow::bail;
 use recording::text::suggest;
 use recording::toml_file::{FileError, TomlSource};
 
@@ -23,7 +24,7 @@ const CELLS: std::ops::RangeInclusive<f64> = 1.0..=100.0;
 pub(super) const GREATEST: f64 = 1e6;
 /// Least of the same, and of lengths in m.
 pub(super) const LEAST: f64 = 1e-12;
-/// Of a heat capacity, 1/K: solids have some 1e-3, and none becomes negative.
+/// Slope of a heat capacity, 1/K: solids have some 1e-3, and none becomes negative.
 const SLOPE_PER_K: std::ops::RangeInclusive<f64> = -1e-3..=5e-3;
 /// A length, m.
 pub(super) const LONGEST_M: f64 = 10.0;
@@ -244,38 +245,24 @@ impl<'a> BodyReader<'a> {
 /// More names than a body can use.
 const MOST_NAMES: usize = 4096;
 
-/// Why a pattern stands for nothing: the rest of a sentence about its key.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum NamesError {
-    /// It is no word.
-    #[error("has the name {0:?}: a word without brackets, `:` and quotation marks belongs here")]
-    Word(String),
-    /// There are too many.
-    #[error("stands for more than {MOST_NAMES} names")]
-    TooMany,
-    /// What stands in brackets.
-    #[error("has `[{0}`, which is no range: write `[1-4]` for the numbers 1 to 4")]
-    Range(String),
-}
-
 /// All that a pattern stands for, in order.
 ///
 /// # Errors
 /// If a part of it is no word or no range, or stands for too many.
-fn expanded(pattern: &str) -> Result<Vec<String>, NamesError> {
+fn expanded(pattern: &str) -> anyhow::Result<Vec<String>> {
     let mut names = Vec::new();
     pattern.split(',').try_for_each(|part| expand(part.trim(), String::new(), &mut names))?;
     Ok(names)
 }
 
-fn expand(rest: &str, before: String, names: &mut Vec<String>) -> Result<(), NamesError> {
+fn expand(rest: &str, before: String, names: &mut Vec<String>) -> anyhow::Result<()> {
     let Some((plain, behind)) = rest.split_once('[') else {
         let name = before + rest;
         if name.is_empty() || name.contains(|c: char| c.is_whitespace() || "[]:\"".contains(c)) {
-            return Err(NamesError::Word(name));
+            bail!("has the name {name:?}: a word without brackets, `:` and quotation marks belongs here");
         }
         if names.len() == MOST_NAMES {
-            return Err(NamesError::TooMany);
+            bail!("stands for more than {MOST_NAMES} names");
         }
         names.push(name);
         return Ok(());
@@ -288,7 +275,7 @@ fn expand(rest: &str, before: String, names: &mut Vec<String>) -> Result<(), Nam
         Some((first, last, behind)) if first <= last => {
             (first..=last).try_for_each(|number| expand(behind, format!("{before}{plain}{number}"), names))
         }
-        _ => Err(NamesError::Range(behind.to_owned())),
+        _ => bail!("has `[{behind}`, which is no range: write `[1-4]` for the numbers 1 to 4"),
     }
 }
 

@@ -21,12 +21,12 @@ pub struct BodyTable {
     /// Node of an element, by its name; by default the node that is called as the element is.
     #[serde(default)]
     pub elements: BTreeMap<String, String>,
-    /// What the wind sees.
+    /// Surfaces that the wind sees.
     #[serde(default)]
     pub convection: Vec<ConvectionTable>,
     /// The gas that the head is meant for.
     pub gas: Option<BodyGas>,
-    /// How much a specimen differs from the file.
+    /// Difference of a specimen from the file.
     pub tolerances: Option<Tolerances>,
     /// Numbers that nobody has published.
     #[serde(default)]
@@ -41,7 +41,7 @@ pub struct NodeTable {
     pub name: String,
     /// Heat capacity at 0 °C, J/K.
     pub capacity_j_k: f64,
-    /// How much of that it gains with each kelvin, 1/K.
+    /// Share that it gains with each kelvin, 1/K.
     #[serde(default)]
     pub capacity_slope_per_k: f64,
 }
@@ -58,17 +58,17 @@ pub struct LinkTable {
     pub among: Option<String>,
     /// From end to end, W/K.
     pub conductance_w_k: Option<f64>,
-    /// Of a contact or a gap, m².
+    /// Area of a contact or a gap, m².
     pub area_m2: Option<f64>,
     /// Conductance of a contact, W/(m²·K).
     pub contact_w_m2_k: Option<f64>,
     /// Width of a gap filled with the gas, m.
     pub gap_m: Option<f64>,
-    /// Of a rod: what its cells are called, from `from` on.
+    /// Name of a rod's cells: a rod: what its cells are called, from `from` on.
     pub rod: Option<String>,
-    /// Of a rod, J/K.
+    /// Heat capacity of a rod, J/K.
     pub capacity_j_k: Option<f64>,
-    /// Of a rod.
+    /// Number of cells of a rod.
     pub cells: Option<usize>,
 }
 
@@ -78,7 +78,7 @@ pub struct LinkTable {
 pub struct ConvectionTable {
     /// By what law.
     pub correlation: Correlation,
-    /// What loses heat by it.
+    /// Surfaces that lose heat by it.
     pub surfaces: Vec<BodySurfaceTable>,
 }
 
@@ -105,7 +105,7 @@ pub struct BodySurfaceTable {
 #[derive(Deserialize, Clone, Copy, Debug, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct BodyGas {
-    /// Which gas.
+    /// Gas.
     pub species: Species,
     /// Its pressure, Pa.
     pub pressure_pa: f64,
@@ -117,13 +117,13 @@ pub struct BodyGas {
 #[derive(Deserialize, Clone, Copy, Debug, Default, PartialEq)]
 #[serde(deny_unknown_fields, default)]
 pub struct Tolerances {
-    /// Of every heat capacity, %.
+    /// Spread of every heat capacity, %.
     pub capacity_percent: f64,
-    /// Of every conductance between nodes, %.
+    /// Spread of every conductance between nodes, %.
     pub conductance_percent: f64,
-    /// Of every surface's area, %.
+    /// Spread of every surface's area, %.
     pub area_percent: f64,
-    /// Of the direction in which a surface looks, about either axis across it, °.
+    /// Spread of the direction in which a surface looks, about either axis across it, °.
     pub normal_deg: f64,
 }
 
@@ -142,7 +142,7 @@ pub struct UnknownNumber {
     pub most: f64,
 }
 
-/// How a shape loses heat to a stream.
+/// Law by which a shape loses heat to a stream.
 #[derive(Deserialize, Clone, Debug, PartialEq)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Correlation {
@@ -177,7 +177,7 @@ pub struct CylinderShape {
     pub diameter_m: f64,
     /// m
     pub length_m: f64,
-    /// Of any length.
+    /// Axis of any length.
     #[serde(default = "upright")]
     pub axis: [f64; 3],
     /// Share of the speed along the axis that counts.
@@ -210,7 +210,7 @@ pub struct WireShape {
     pub diameter_m: f64,
     /// m
     pub length_m: f64,
-    /// Of any length.
+    /// Axis of any length.
     #[serde(default = "upright")]
     pub axis: [f64; 3],
     /// Share of the speed along the wire that counts.
@@ -236,11 +236,11 @@ pub enum WireLaw {
 pub struct KingLaw {
     /// W/K
     pub a_w_k: f64,
-    /// Of a wind of 1 m/s, W/K.
+    /// Conductance of a wind of 1 m/s, W/K.
     pub b_w_k: f64,
     /// n
     pub exponent: f64,
-    /// Of any length; without it all directions are alike.
+    /// Axis of any length; without it all directions are alike.
     pub axis: Option<[f64; 3]>,
     /// Share of the speed along the axis that counts.
     #[serde(default)]
@@ -254,7 +254,7 @@ pub struct KingLaw {
 pub struct NusseltGrid {
     /// For Reynolds and Nusselt number, m.
     pub length_m: f64,
-    /// Of one surface, m².
+    /// Area of one surface, m².
     pub area_m2: f64,
     /// Ascending.
     pub reynolds: Vec<f64>,
@@ -266,7 +266,7 @@ pub struct NusseltGrid {
     pub nusselt_at_rest: f64,
 }
 
-/// What the wind sees of a boom with cards.
+/// Shape of a boom with cards.
 #[derive(Deserialize, Clone, Copy, Debug, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct BoomShape {

@@ -1,4 +1,4 @@
-//! What is read of a `[body]`, and what is refused.
+//! Reading and refusals of a `[body]`.
 
 use std::path::Path;
 

@@ -12,7 +12,7 @@ use crate::network::parameters::QuiescentNetwork;
 /// A checked calibration, in f64.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Calibration {
-    /// As it is written, but for the network.
+    /// Table as it is written, but for the network.
     pub table: CalibrationTable,
     /// Place in the head of the element that measures the gas.
     pub reference: Option<usize>,

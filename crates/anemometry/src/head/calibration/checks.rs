@@ -201,7 +201,7 @@ impl Calibration {
         taken.map_err(|error| source.refuse("calibration.convection", format!("cannot be used: {error}")))
     }
 
-    /// Whether the corrections are of this calibration's four surfaces, and can be.
+    /// Tells whether the corrections are of this calibration's four surfaces, and can be.
     fn check_correction(&self, source: &TomlSource) -> Result<(), FileError> {
         let Some(correction) = &self.table.correction else { return Ok(()) };
         if self.table.surfaces.len() != SECTORS || self.table.card.is_some() {
@@ -334,7 +334,7 @@ mod tests {
             .unwrap()
     }
 
-    /// What is said of the fixture with its n-th `from` replaced.
+    /// Sentence about the fixture with its n-th `from` replaced.
     fn refused(n: usize, from: &str, to: &str) -> String {
         let mut source = fixture();
         let (at, _) = source.text.match_indices(from).nth(n).unwrap_or_else(|| panic!("{from}"));

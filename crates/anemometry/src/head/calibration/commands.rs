@@ -1,11 +1,12 @@
 //! A calibration as commands of the board's anemometer, for a bandwidth and an interval of wind
 //! estimates; the set-up of an anemometer with them. Refusals name the key and line of the head file.
 
+use anyhow::bail;
 use dr_core::control::MOST_ELEMENTS;
 use dr_core::wind::{Anemometer, HeadForm, HeadSurface, WindCommand, WindOutputConfig};
 use recording::toml_file::FileError;
 
-use super::super::file::{Head, WindSetupError};
+use super::super::file::Head;
 use super::checked::Calibration;
 use super::checks::GAS_C;
 use super::table::PropertyTemperature;
@@ -31,7 +32,7 @@ impl Calibration {
         &self,
         output: &WindOutput,
         sample_period_s: f64,
-    ) -> Result<(Vec<WindCommand>, NetworkObserver), WindSetupError> {
+    ) -> anyhow::Result<(Vec<WindCommand>, NetworkObserver)> {
         let observer = match output.fixed {
             true => self.network.stable_observer(output.bandwidth_hz, sample_period_s)?,
             false => self.network.adaptive_observer(output.bandwidth_hz, sample_period_s)?,
@@ -75,12 +76,14 @@ impl Calibration {
         Ok((commands, observer))
     }
 
-    fn answer(&self, output: &WindOutput, sample_period_s: f64) -> Result<WindOutputConfig, WindSetupError> {
+    fn answer(&self, output: &WindOutput, sample_period_s: f64) -> anyhow::Result<WindOutputConfig> {
         let every = (output.interval_s / sample_period_s).round();
         if !(1.0..=f64::from(u16::MAX)).contains(&every) {
             let interval_s = output.interval_s;
-            let sentence = format!("{interval_s} s cannot be had from ticks of {sample_period_s} s");
-            return Err(WindSetupError::Interval(sentence));
+            bail!(
+                "a wind estimate every {interval_s} s cannot be had from ticks of {sample_period_s} s: between one and {} of them",
+                u16::MAX
+            );
         }
         let sphere = self.table.nusselt.as_ref().map(|of| [of.least_reynolds, of.most_reynolds]);
         let card = self.table.card.as_ref().map(|of| [of.least_reynolds, of.most_reynolds]);
@@ -105,7 +108,7 @@ pub struct WindOutput {
     pub bandwidth_hz: f64,
     /// Time between two estimates, s.
     pub interval_s: f64,
-    /// Whether the bandwidth stays, whatever the wind does; else it rises for a while after a jump.
+    /// The bandwidth stays, whatever the wind does; else it rises for a while after a jump.
     pub fixed: bool,
 }
 

@@ -1,4 +1,4 @@
-//! What follows where a head is used in other conditions than those of its calibration.
+//! Consequences where a head is used in other conditions than those of its calibration.
 //!
 //! A calibration reckons with density, viscosity and conductivity of the gas, so that another
 //! pressure alone matters little, and another gas temperature by what those numbers leave: the
@@ -11,8 +11,7 @@ use super::checked::Calibration;
 
 /// A gas temperature nearer to the calibration's than this is the same.
 const GAS_K: f64 = 3.0;
-/// What a kelvin changes where the calibration does not say it: 20 K are 6 to 7 % of a sphere's
-/// speed.
+/// Change by a kelvin where the calibration does not say it: 20 K are 6 to 7 % of a sphere's speed.
 const PERCENT_PER_K: f64 = 0.35;
 /// Less is not worth a word, %.
 const LEAST_PERCENT: f64 = 1.0;
@@ -22,8 +21,8 @@ const SURFACE_K: f64 = 3.0;
 const PRESSURE_FACTOR: f64 = 2.0;
 
 impl Calibration {
-    /// What is otherwise than in the calibration and matters, a sentence each. `gas_c` and
-    /// `surface_c` are least and greatest where they are known.
+    /// Differences from the calibration that matter, a sentence each. `gas_c` and `surface_c` are
+    /// least and greatest where they are known.
     pub fn differences(
         &self,
         conditions: &Conditions,
@@ -54,7 +53,7 @@ impl Calibration {
         found
     }
 
-    /// What another gas temperature may make, if it matters.
+    /// Difference that another gas temperature may make, if it matters.
     pub fn gas_difference(&self, is: [f64; 2]) -> Option<String> {
         let was = self.table.conditions.as_ref()?.gas_c;
         let degrees = beyond(was, is, GAS_K)?;
@@ -68,7 +67,7 @@ impl Calibration {
         })
     }
 
-    /// What a kelvin of another gas temperature may be, % of the speed.
+    /// Effect of a kelvin of another gas temperature, % of the speed.
     fn percent_per_k(&self) -> f64 {
         self.table.convection.as_ref().map_or(PERCENT_PER_K, |of| 1e2 * of.speed_share_per_k)
     }

@@ -107,7 +107,7 @@ impl CalibrationTable {
             sentence: error.to_string(),
         })?;
         let text = format!("{}\n{tail}", without_calibration(&head.source.text).trim_end());
-        // What cannot be read again is not written.
+        // A head that cannot be read again is not written.
         let made = Head::from_source(TomlSource { path, text: text.clone() })?;
         Ok((text, made))
     }
@@ -188,7 +188,7 @@ mod corrected_tests {
         assert_eq!(its.network, first.network);
         let sentence = its.table.correction.as_ref().unwrap().sentence();
         assert_eq!(sentence, "corrections of 2026-03-01 are applied, by sun.parquet");
-        // Those that are found later take their place, and name what they came from.
+        // Later ones take their place, and name what they came from.
         let (_, again) = its.with_corrections(&FOUND, "dust.parquet", None, &corrected).unwrap();
         let again = again.calibration.unwrap().table.correction.unwrap();
         assert_eq!(again.sentence(), "corrections are applied, by sun.parquet; then dust.parquet");

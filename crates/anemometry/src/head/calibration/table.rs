@@ -33,7 +33,7 @@ pub struct CalibrationTable {
     pub reference_gas_c: f64,
     /// Temperature of the support in the records of the quiescent-gas network, °C, if they say it.
     pub support_c: Option<f64>,
-    /// What the surfaces belong to; without the key parts of a sphere, or dice.
+    /// Form that the surfaces belong to; without the key parts of a sphere, or dice.
     #[serde(default, skip_serializing_if = "is_sphere")]
     pub form: HeadForm,
     /// Diameter of sphere, cylinder or wire, or side of a die, m.
@@ -42,15 +42,15 @@ pub struct CalibrationTable {
     pub direction_error_max_deg: f64,
     /// The element that measures the gas.
     pub reference: Option<String>,
-    /// How conductances depend on the wind, but of a card.
+    /// Dependence of conductances on the wind, but of a card.
     pub nusselt: Option<NusseltTable>,
     /// The same of a card.
     pub card: Option<CardTable>,
-    /// How the convection is taken.
+    /// Convection of the surfaces.
     pub convection: Option<ConvectionModelTable>,
     /// In which gas and at which temperatures it was made; older heads do not state it.
     pub conditions: Option<CalibrationConditions>,
-    /// What it adds to the uncertainty of the wind.
+    /// Amount that it adds to the uncertainty of the wind.
     pub uncertainty: Option<UncertaintyTable>,
     /// Slow errors that are taken out.
     pub correction: Option<CorrectionTable>,
@@ -95,14 +95,15 @@ pub struct ConvectionModelTable {
     /// Least and greatest temperature of the gas, °C.
     #[serde(deserialize_with = "exactly")]
     pub gas_c: [f64; 2],
-    /// What each kelvin beyond these adds to the standard uncertainty of the speed, as its share.
+    /// Amount that each kelvin beyond these adds to the standard uncertainty of the speed, as its
+    /// share.
     pub speed_share_per_k: f64,
     /// The same of the direction, °.
     pub direction_deg_per_k: f64,
     /// Rise of the warmed gas, where the readings determine it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rise: Option<RiseTable>,
-    /// What is behind the stem.
+    /// Stem and the stream behind it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stem: Option<StemTable>,
 }
@@ -123,12 +124,12 @@ pub enum PropertyTemperature {
 pub struct RiseTable {
     /// Gravity where the head is used, m/s².
     pub gravity_m_s2: f64,
-    /// Which way is up.
+    /// Direction that points up.
     #[serde(deserialize_with = "exactly")]
     pub up: [f64; 3],
     /// Rise in quiescent gas, over √(g β ΔT d).
     pub at_rest: f64,
-    /// How a wind carries it away.
+    /// Rate at which a wind carries it away.
     pub decay: f64,
 }
 
@@ -181,13 +182,13 @@ pub struct CardTable {
     /// D, at the same values.
     #[serde(deserialize_with = "exactly")]
     pub difference: [f64; CARD_KNOTS],
-    /// Of cos nθ in P.
+    /// Coefficients of cos nθ in P.
     #[serde(deserialize_with = "exactly")]
     pub along: [f64; TERMS],
-    /// Of sin nθ in Q.
+    /// Coefficients of sin nθ in Q.
     #[serde(deserialize_with = "exactly")]
     pub around: [f64; TERMS],
-    /// Of cos nθ in E.
+    /// Coefficients of cos nθ in E.
     #[serde(deserialize_with = "exactly")]
     pub seen: [f64; TERMS],
     /// Standard error of M, as a share of what the wind adds to it.
@@ -223,7 +224,7 @@ pub struct SurfaceTable {
 }
 
 impl NusseltTable {
-    /// As the board takes it.
+    /// Configuration of the board.
     pub fn config(&self) -> NusseltConfig {
         NusseltConfig {
             least_reynolds: self.least_reynolds as f32,
@@ -244,7 +245,7 @@ impl PropertyTemperature {
 }
 
 impl ConvectionModelTable {
-    /// As the board takes it.
+    /// Configuration of the board.
     pub fn config(&self) -> ConvectionConfig {
         let narrow = |v: [f64; 3]| v.map(|x| x as f32);
         ConvectionConfig {
@@ -271,7 +272,7 @@ impl ConvectionModelTable {
 }
 
 impl UncertaintyTable {
-    /// As the board takes it.
+    /// Configuration of the board.
     pub fn config(&self) -> CalibrationUncertainty {
         CalibrationUncertainty {
             conductance_share: self.conductance_share.map(|share| share as f32),
@@ -283,7 +284,7 @@ impl UncertaintyTable {
 }
 
 impl CardTable {
-    /// As the board takes it.
+    /// Configuration of the board.
     pub fn config(&self) -> CardConfig {
         CardConfig {
             mean: self.mean.map(|x| x as f32),
@@ -340,8 +341,8 @@ pub struct CalibrationConditions {
 }
 
 impl CalibrationConditions {
-    /// Of winds, each with a gas temperature in °C, a pressure in Pa, and surface temperatures in
-    /// °C; none without a wind.
+    /// Ranges that winds had, each with a gas temperature in °C, a pressure in Pa, and surface
+    /// temperatures in °C; none without a wind.
     pub fn of(winds: impl Iterator<Item = (f64, f64, Vec<f64>)>) -> Option<Self> {
         let none = [f64::INFINITY, f64::NEG_INFINITY];
         let mut all = Self { gas_c: none, pressure_pa: none, surface_c: none };
@@ -368,11 +369,11 @@ impl CalibrationConditions {
 #[derive(Deserialize, Serialize, Clone, Debug, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct CorrectionTable {
-    /// What was sought in which recordings, in words.
+    /// Errors that were sought, and the recordings, in words.
     pub made_from: String,
     /// Day of the last of them, as 2026-03-01, if it states one.
     pub made_on: Option<String>,
-    /// Of every surface, in the order of the calibration's.
+    /// Corrections of every surface, in the order of the calibration's.
     pub surfaces: Vec<SurfaceCorrectionTable>,
 }
 
@@ -393,8 +394,8 @@ pub struct SurfaceCorrectionTable {
 }
 
 impl SurfaceCorrectionTable {
-    /// Of a correction as the board takes it: what multiplies a conductance takes back what its
-    /// gain has changed by.
+    /// Table of a correction as the board takes it: what multiplies a conductance takes back what
+    /// its gain has changed by.
     pub fn new(element: String, of: &SurfaceCorrection) -> Self {
         let factor = 1.0 + f64::from(of.gain);
         Self {
@@ -406,7 +407,7 @@ impl SurfaceCorrectionTable {
         }
     }
 
-    /// As the board takes it.
+    /// Configuration of the board.
     pub fn config(&self) -> SurfaceCorrection {
         let remains = 1.0 + self.gain_change;
         SurfaceCorrection {
@@ -419,7 +420,7 @@ impl SurfaceCorrectionTable {
 }
 
 impl CorrectionTable {
-    /// As the board takes it; none of a table that was not checked.
+    /// Configuration of the board; none of a table that was not checked.
     pub fn config(&self) -> Option<[SurfaceCorrection; SECTORS]> {
         let [a, b, c, d] = &self.surfaces[..] else { return None };
         Some([a, b, c, d].map(SurfaceCorrectionTable::config))

@@ -25,12 +25,12 @@ pub(super) const CONTRADICTED: f64 = 2.0;
 /// χ² of differences of overheat from which on they show heat.
 const SEEN: f64 = 4.0;
 
-/// How a recording alternates, and how heat explains it.
+/// Alternation of a recording, and how heat explains it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OverheatFinding {
     /// The higher and the lower overheat, K.
     pub overheat_k: [f64; 2],
-    /// How many halves.
+    /// Number of halves.
     pub halves: usize,
     /// χ² of the differences over their degrees of freedom, without and with heat.
     pub chi_square: [f64; 2],
@@ -41,7 +41,7 @@ pub struct OverheatFinding {
 /// Slow errors over a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldCorrection {
-    /// What was sought.
+    /// Kind that was sought.
     pub kind: SlowErrorKind,
     /// Size and quickness that were found.
     pub prior: SlowPrior,
@@ -51,7 +51,7 @@ pub struct FieldCorrection {
     pub count: usize,
     /// Mean square of what the equations leave, in their own variances, without and with errors.
     pub chi_square: [f64; 2],
-    /// What halves of alternating overheat say, if they do.
+    /// Finding of halves of alternating overheat, if they do.
     pub overheats: Option<OverheatFinding>,
     pub(super) begin_s: f64,
     pub(super) slot_s: f64,
@@ -60,7 +60,7 @@ pub struct FieldCorrection {
 }
 
 impl FieldCorrection {
-    /// Whether most of the contradictions are gone with these errors.
+    /// Tells whether most of the contradictions are gone with these errors.
     pub fn explains(&self) -> bool {
         let is_less = |[before, after]: [f64; 2], least: f64| before > least && after < 0.5 * before;
         match &self.overheats {
@@ -118,7 +118,7 @@ impl FieldCorrection {
     }
 }
 
-/// What may be wrong.
+/// Kind of error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SlowErrorKind {
@@ -131,7 +131,7 @@ pub enum SlowErrorKind {
 }
 
 impl SlowErrorKind {
-    /// As an option has it.
+    /// Word of an option.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Offsets => "offsets",
@@ -187,15 +187,15 @@ const COMMON: f64 = 0.9;
 /// One combination.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OpenError {
-    /// Whether all surfaces have it alike.
+    /// All surfaces have it alike.
     pub is_common: bool,
-    /// Whether it is of gains, else of heat.
+    /// It is of gains, else of heat.
     pub is_gain: bool,
     /// mW or % of each surface.
     pub deviation: f64,
 }
 
-/// Those of offsets and of gains, from the slots that have an equation.
+/// Errors of offsets and of gains, from the slots that have an equation.
 pub fn open_errors<'a>(prior: &SlowPrior, known: impl Iterator<Item = &'a SlowErrorsAt>) -> Vec<OpenError> {
     let mut sum = SMatrix::<f64, ERRORS, ERRORS>::zeros();
     let mut count = 0.0;

@@ -1,5 +1,5 @@
-//! What a recording holds about slow errors: conductances of its four surfaces, averaged over slots
-//! of some seconds.
+//! Evidence of a recording about slow errors: conductances of its four surfaces, averaged over
+//! slots of some seconds.
 //!
 //! Slots grow with the recording, so that there are 4096 at most; of two that become one
 //! the steadier is kept, for a mean over a wind that has changed is of no wind.
@@ -40,7 +40,7 @@ const NOT_USED: [QualityFlags; 7] = [
 /// Means over a slot.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SlowSlot {
-    /// How many estimates.
+    /// Number of estimates.
     pub count: u32,
     /// G, W/K.
     pub conductance_w_k: [f64; SECTORS],
@@ -58,7 +58,7 @@ pub struct SlowSlot {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SlowEvidence {
     begin_s: Option<f64>,
-    /// How often the slots have become twice as long.
+    /// Number of times that the slots have become twice as long.
     doubled: i32,
     slots: Vec<SlowSlot>,
 }
@@ -113,7 +113,7 @@ impl SlowEvidence {
         &self.slots
     }
 
-    /// Whether a head can be corrected: four surfaces round a body, with a calibration.
+    /// Tells whether a head can be corrected: four surfaces round a body, with a calibration.
     pub fn is_of<const N: usize>(anemometer: &Anemometer<N>) -> bool {
         anemometer.vector().is_some() && anemometer.gains().count() == SECTORS
     }
@@ -218,7 +218,7 @@ pub fn equations<const N: usize>(
     evidence.slots().iter().enumerate().map(&mut each).collect()
 }
 
-/// How many winds differ from each other by more than what is missed alike.
+/// Number of winds that differ from each other by more than what is missed alike.
 pub fn distinct(equations: &[Option<SlowEquation>]) -> usize {
     let mut winds: Vec<[f64; 3]> = Vec::new();
     for of in equations.iter().flatten() {

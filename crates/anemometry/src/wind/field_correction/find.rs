@@ -73,7 +73,7 @@ impl FieldCorrection {
         Ok(found)
     }
 
-    /// Whether what is left open is a good part of what was found.
+    /// Tells whether what is left open is a good part of what was found.
     fn hides(&self, open: &OpenError) -> bool {
         let first = if open.is_gain { SECTORS } else { 0 };
         let sizes = self.known().flat_map(|(_, at)| (first..first + SECTORS).map(|i| at.errors[i].abs()));
@@ -147,7 +147,7 @@ impl SlowErrorSearch {
         self.equations.iter().enumerate().map(widened).collect()
     }
 
-    /// Whether there is something that errors can be found by.
+    /// Tells whether there is something that errors can be found by.
     fn check(&self, evidence: &SlowEvidence) -> Result<(), SlowErrorsUnknown> {
         if self.equations.iter().flatten().next().is_none() {
             return Err(SlowErrorsUnknown::NoWind);

@@ -14,7 +14,7 @@
 //! f ≥ 1 is what differences of equal overheats, a half against its next ones at the same overheat,
 //! are larger by than that: the slow part of the wind.
 //!
-//! What halves of two overheats say of the heat of single surfaces, without varied winds.
+//! Evidence of halves of two overheats of the heat of single surfaces, without varied winds.
 //!
 //! A surface that takes up heat beside the wind shows it in its conductance by S/θ, so at two
 //! overheats differently, whatever the wind is; a gain shows at both alike. Of each half between
@@ -60,10 +60,10 @@ pub type BySurface = SVector<f64, SECTORS>;
 /// Their covariance.
 pub type SurfaceCovariance = SMatrix<f64, SECTORS, SECTORS>;
 
-/// What lies at one overheat.
+/// Slots at one overheat.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OverheatHalf {
-    /// Whether it is the higher overheat.
+    /// It is the higher overheat.
     pub is_high: bool,
     /// Slot in its middle.
     pub slot: usize,
@@ -73,7 +73,7 @@ pub struct OverheatHalf {
     pub per_overheat: BySurface,
     /// Mean temperature of the gas, °C.
     pub gas_c: f64,
-    /// How many batches it has.
+    /// Number of batches.
     pub batches: f64,
 }
 
@@ -89,7 +89,7 @@ pub struct OverheatHalves {
 }
 
 impl OverheatHalves {
-    /// Of a recording that alternates for long enough; none of others.
+    /// Halves of a recording that alternates for long enough; none of others.
     pub fn of(evidence: &SlowEvidence) -> Option<Self> {
         let slots = evidence.slots();
         let overheat_k = levels(slots)?;
@@ -104,7 +104,7 @@ impl OverheatHalves {
             return None;
         }
         let sum: SurfaceCovariance = differences.iter().map(|of| of * of.transpose()).sum();
-        // As uncertain as so few differences leave it, by Student's t.
+        // So few differences leave it as uncertain, by Student's t.
         let freedom = 0.5 * differences.len() as f64;
         let batch_w2_k2 = sum * (0.5 / differences.len() as f64 * freedom / (freedom - SECTORS as f64));
         let halves: Vec<_> =
@@ -114,7 +114,7 @@ impl OverheatHalves {
         Some(found)
     }
 
-    /// Whether a recording has two overheats, whatever its halves are.
+    /// Tells whether a recording has two overheats, whatever its halves are.
     pub fn is_two(evidence: &SlowEvidence) -> bool {
         levels(evidence.slots()).is_some()
     }
@@ -213,7 +213,7 @@ const MISSED_MW: f64 = 0.08;
 /// the gas: 0.2 to 0.75 mW on each surface, if it is wrong.
 const MISSED_BY_FILM_MW: f64 = 0.5;
 
-/// What two overheats miss with such a head, mW.
+/// Heat that two overheats miss with such a head, mW.
 pub fn missed_mw<const N: usize>(anemometer: &Anemometer<N>) -> f64 {
     if anemometer.is_film_assumed() { MISSED_BY_FILM_MW } else { MISSED_MW }
 }

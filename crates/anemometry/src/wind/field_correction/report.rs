@@ -13,12 +13,12 @@ const MOMENTS: usize = 24;
 const CLEAR: f64 = 3.0;
 const NAMED: f64 = 0.2;
 
-/// What was found.
+/// Report of slow errors.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SlowErrorReport {
-    /// What was sought.
+    /// Kind that was sought.
     pub kind: SlowErrorKind,
-    /// Whether the wind is corrected by it.
+    /// The wind is corrected by it.
     pub is_applied: bool,
     /// Winds that said something.
     pub winds: usize,
@@ -27,13 +27,13 @@ pub struct SlowErrorReport {
     /// Mean squares of what contradicts, over the variance by noise and calibration, without and
     /// with the errors.
     pub chi_square: [f64; 2],
-    /// What halves of alternating overheat say, if they do.
+    /// Finding of halves of alternating overheat, if they do.
     pub overheats: Option<OverheatFinding>,
-    /// What explains as much, in words.
+    /// Explanation of as much, in words.
     pub as_likely: Option<String>,
-    /// Of every surface.
+    /// Errors of every surface.
     pub surfaces: Vec<SurfaceErrorReport>,
-    /// What the winds leave open, in words.
+    /// Errors that the winds leave open, in words.
     pub open: Vec<String>,
     /// Offsets over time.
     pub series: Vec<SlowErrorMoment>,
@@ -70,7 +70,7 @@ pub struct SlowErrorMoment {
 }
 
 impl SlowErrorReport {
-    /// Of a correction; `names` are the elements of the surfaces.
+    /// Report of a correction; `names` are the elements of the surfaces.
     pub fn of(correction: &FieldCorrection, names: &[String], is_applied: bool) -> Self {
         let known: Vec<_> = correction.known().collect();
         let count = known.len().max(1) as f64;
@@ -80,7 +80,7 @@ impl SlowErrorReport {
         };
         let surface = |(i, element): (usize, &String)| {
             let offset_w = |n: usize| 1e-3 * known[n].1.errors[i];
-            // What multiplies the conductance takes back what its gain has lost.
+            // A factor of the conductance takes back what its gain has lost.
             let gain = |n: usize| 1.0 / (1.0 + 1e-2 * known[n].1.errors[SECTORS + i]) - 1.0;
             let deviation = |n: usize, error: usize| known[n].1.covariance[(error, error)].max(0.0).sqrt();
             SurfaceErrorReport {
@@ -129,7 +129,7 @@ impl SurfaceErrorReport {
             return None;
         }
         let (scale, unit, digits) = if gains { (1e2, "%", 1) } else { (1e3, "mW", 2) };
-        // As many as say something of the uncertainty.
+        // Digits that say something of the uncertainty.
         let digits = if u > 0.0 { (-libm::log10(scale * u).floor()).clamp(f64::from(digits), 4.0) as usize } else { 2 };
         let moves = most - least > CLEAR * u;
         let over =
@@ -148,7 +148,7 @@ impl SlowErrorReport {
         let gains = self.surfaces.iter().map(|of| size(of.gain_range)).fold(0.0, f64::max);
         let mut words = Vec::new();
         for of in &self.surfaces {
-            // What is corrected is named, clear or not: what all surfaces share makes each unclear.
+            // A corrected error is named, clear or not: what all surfaces share makes each unclear.
             let clear = if self.is_applied { 0.0 } else { CLEAR };
             words.extend(of.words(false, offsets, clear));
             words.extend(of.words(true, gains, clear));

@@ -30,7 +30,7 @@ pub const ERRORS: usize = 2 * SECTORS;
 type State = SVector<f64, STATES>;
 type Covariance = SMatrix<f64, STATES, STATES>;
 
-/// How large and how quick slow errors are, before anything is known.
+/// Size and quickness of slow errors, before anything is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SlowPrior {
     /// σ, mW.
@@ -41,7 +41,7 @@ pub struct SlowPrior {
     pub gain_percent: f64,
     /// η, %/√s.
     pub gain_walk: f64,
-    /// Whether what all surfaces share is sought; if not, it stays zero, as uncertain as it was.
+    /// The common part of all surfaces is sought; if not, it stays zero, as uncertain as it was.
     pub is_common_sought: bool,
     /// Factor of the equations' variances; where it is more than 1, of k² as well.
     pub noise: f64,
@@ -94,7 +94,7 @@ impl SlowEquation {
 pub struct SlowJump {
     /// The slot.
     pub slot: usize,
-    /// Which of S and γ.
+    /// Error: S or γ.
     pub error: usize,
 }
 
@@ -110,11 +110,12 @@ pub struct SlowSeries<'a> {
     pub slot_s: f64,
     /// In any order.
     pub jumps: &'a [SlowJump],
-    /// Of overheats that alternate, in any order.
+    /// Equations of overheats that alternate, in any order.
     pub overheats: &'a [OverheatEquation],
 }
 
-/// What halves of two overheats say of S at a slot: four equations y = A S + v, v of variance 1.
+/// Equations of S at a slot, from halves of two overheats: four equations y = A S + v, v of
+/// variance 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OverheatEquation {
     /// The slot.
@@ -130,23 +131,23 @@ pub struct OverheatEquation {
 pub struct SlowErrorsAt {
     /// S, then γ.
     pub errors: SVector<f64, ERRORS>,
-    /// Of both.
+    /// Covariance of both.
     pub covariance: SMatrix<f64, ERRORS, ERRORS>,
 }
 
-/// What the filter knew at a slot.
+/// Knowledge of the filter at a slot.
 struct PassedSlot {
     state: State,
     covariance: Covariance,
-    /// Of its equations, one after the other.
+    /// Updates of its equations, one after the other.
     updates: Vec<FilterUpdate>,
 }
 
-/// What one equation has changed.
+/// Change by one equation.
 struct FilterUpdate {
     row: State,
     gain: State,
-    /// Of the innovation.
+    /// Variance of the innovation.
     variance: f64,
     innovation: f64,
     /// ρ by which e was changed before.
@@ -280,7 +281,7 @@ pub fn smooth(prior: &SlowPrior, series: &SlowSeries<'_>) -> (Vec<SlowErrorsAt>,
         }
         for error in (0..ERRORS).filter(|&error| slot > 0 && prior.is_sought(error)) {
             let at = place(error);
-            // As large as it may be: what is explained less what any jump costs.
+            // The largest explanation, less the cost of any jump.
             let explains = pull[at].powi(2) / (known[(at, at)] + 1.0 / (JUMP * JUMP));
             if jump.is_none_or(|(_, most)| explains > most) {
                 jump = Some((SlowJump { slot, error }, explains));
@@ -299,7 +300,7 @@ impl SlowPrior {
         if error < SECTORS { self.offset_mw } else { self.gain_percent }
     }
 
-    /// Whether an error may be other than zero.
+    /// Tells whether an error may be other than zero.
     fn is_sought(&self, error: usize) -> bool {
         self.size(error) > 0.0
     }
@@ -310,7 +311,7 @@ impl SlowPrior {
         if self.is_common_sought { own } else { own - 1.0 / SECTORS as f64 }
     }
 
-    /// What that lacks of independent errors.
+    /// Difference of that from independent errors.
     fn not_sought(&self, a: usize, b: usize) -> f64 {
         if self.is_common_sought || (a < SECTORS) != (b < SECTORS) {
             0.0

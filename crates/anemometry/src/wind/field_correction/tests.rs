@@ -1,5 +1,5 @@
-//! What a stream that is not the wind does to slow errors: that of a head whose stem slows the
-//! wind from below, and whose warm gas rises fast.
+//! Effect on slow errors of a stream that is not the wind: that of a head whose stem slows the wind
+//! from below, and whose warm gas rises fast.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! What a line does to the meter, and what it answers.
+//! Effect of a line on the meter, and its answer.
 
 use super::state::MisbehaviourKind;
 use super::state::{MeterState, NO_NUMBER};
@@ -17,7 +17,7 @@ const ILLEGAL_PARAMETER: ScpiFault = ScpiFault("-224,\"Illegal parameter value\"
 #[error("{0}")]
 struct ScpiFault(&'static str);
 
-/// What the meter sends back.
+/// Reaction of the meter.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Reaction {
     Bytes(Vec<u8>),

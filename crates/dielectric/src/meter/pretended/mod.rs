@@ -1,5 +1,5 @@
-//! A meter that is none: it speaks the commands of the real one on the loopback, has a function for
-//! a device, and misbehaves where it is made to. For tests, and for demonstrations.
+//! Simulated meter for tests: it speaks the commands of the real one on the loopback, has a
+//! function for a device, and misbehaves where it is told to.
 
 mod commands;
 mod server;

@@ -25,7 +25,7 @@ pub struct PretendedSettings {
     pub at: SocketAddr,
     /// Its answer to `*IDN?`.
     pub identity: String,
-    /// What it does wrong.
+    /// Misbehaviour.
     pub misbehaviour: Option<Misbehaviour>,
 }
 

@@ -33,7 +33,7 @@ pub(super) struct MeterState {
     /// The last reading: F, and its status.
     pub(super) reading: (f64, i8),
     begun: Instant,
-    /// Of the last call of the device.
+    /// Time of the last call of the device.
     called: Instant,
     commands: usize,
     pub(super) latest_commands: VecDeque<String>,
@@ -76,7 +76,7 @@ impl MeterState {
         kind
     }
 
-    /// Whether it accepts nobody any more.
+    /// Tells whether it accepts nobody any more.
     pub(super) fn is_gone(&self) -> bool {
         let now = self.misbehaviour.filter(|misbehaviour| misbehaviour.is_lasting && self.commands > misbehaviour.at);
         now.is_some_and(|misbehaviour| misbehaviour.kind == MisbehaviourKind::Disconnect)
@@ -121,19 +121,19 @@ pub struct Misbehaviour {
     pub at: usize,
     /// At all commands from there, rather than at this one.
     pub is_lasting: bool,
-    /// What it does.
+    /// Kind of misbehaviour.
     pub kind: MisbehaviourKind,
 }
 
 impl Misbehaviour {
-    /// What it does at a command.
+    /// Kind of misbehaviour at a command.
     fn kind_at(self, command: usize) -> Option<MisbehaviourKind> {
         let is_now = command == self.at || self.is_lasting && command > self.at;
         is_now.then_some(self.kind)
     }
 }
 
-/// What a pretended meter does instead.
+/// Kinds of misbehaviour of a simulated meter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MisbehaviourKind {
     /// Closes the connection and does nothing; if that lasts, new ones too.

@@ -12,7 +12,7 @@ use room::{record, true_gain_k_per_w};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// What was found of one record.
+/// Finding on one record.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriftOutcome {
     /// Error of the steady gain.
@@ -21,9 +21,9 @@ pub struct DriftOutcome {
     pub se_k_per_w: f64,
     /// Error of a fit that knows what drift there is; NaN where that is no process.
     pub known_error_k_per_w: f64,
-    /// Whether the record supports the model.
+    /// The record supports the model.
     pub is_supported: bool,
-    /// Whether the model has a drift.
+    /// The model has a drift.
     pub has_drift: bool,
 }
 
@@ -84,7 +84,7 @@ fn identified(room: RoomDrift, seed: u64) -> Result<DriftOutcome, RecordError> {
 /// Figures of one kind of drift.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DriftFigures {
-    /// How the room moved.
+    /// Motion of the room.
     pub room: String,
     /// Records.
     pub records: usize,
@@ -102,7 +102,7 @@ pub struct DriftFigures {
     pub supported_percent: f64,
 }
 
-/// What a campaign found.
+/// Findings of a campaign.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DriftReport {
     /// Kind by kind.
@@ -110,7 +110,7 @@ pub struct DriftReport {
 }
 
 impl DriftFigures {
-    /// Of the records of one kind.
+    /// Summary of the records of one kind.
     pub fn of(room: RoomDrift, outcomes: &[DriftOutcome]) -> Self {
         let share = |is: &dyn Fn(&DriftOutcome) -> bool| {
             100.0 * outcomes.iter().filter(|outcome| is(outcome)).count() as f64 / outcomes.len().max(1) as f64
@@ -135,7 +135,7 @@ impl DriftFigures {
 }
 
 impl DriftReport {
-    /// As a page of the book. `day` is when it was measured.
+    /// Page of the book. `day` is when it was measured.
     pub fn page(&self, day: &str, records: u64) -> String {
         let row = |of: &DriftFigures| {
             let known = of.median_known_error_k_per_w.map_or("–".to_owned(), |known| format!("{known:.3}"));

@@ -27,10 +27,10 @@ const QUIET_ROWS: usize = 1_200;
 const ROWS_A_BIT: usize = 4;
 const ROOM_C: f64 = 22.0;
 const NOISE_K: f64 = 0.008;
-/// How far a room moves, K.
+/// Distance by which a room moves, K.
 const MOVES_K: f64 = 0.15;
 
-/// How a room's temperature moves.
+/// Motion of a room's temperature.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum RoomDrift {
     /// Not at all.
@@ -68,7 +68,7 @@ impl RoomDrift {
         }
     }
 
-    /// What a fit that knows the drift is told; `None` where it is no process of the fit's.
+    /// Drift that a fit is told; `None` where it is no process of the fit's.
     pub fn known(self) -> Option<DriftGiven> {
         match self {
             Self::None => Some(DriftGiven::None),

@@ -25,16 +25,16 @@ const SETTLE_S: f64 = 5.0;
 /// Bandwidth of the estimates.
 const BANDWIDTH: WindMode = WindMode { bandwidth_hz: 1.0, fixed: true };
 
-/// What one head reaches in one operating mode.
+/// Figures of one head in one operating mode.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeadFigures {
     /// Its name.
     pub head: String,
-    /// What its surfaces belong to.
+    /// Form that its surfaces belong to.
     pub form: HeadForm,
-    /// How many there are.
+    /// Number of surfaces.
     pub surfaces: usize,
-    /// How its elements are operated.
+    /// Mode in which its elements are operated.
     pub mode: OperatingMode,
     /// Its calibration, with errors in winds that were left out.
     pub made_from: String,
@@ -53,7 +53,7 @@ pub struct HeadFigures {
 pub struct MeasuredHead {
     /// Mode by mode.
     pub figures: Vec<HeadFigures>,
-    /// What could not be calibrated in a mode, and why.
+    /// Heads that could not be calibrated in a mode, and why.
     pub refused: Vec<String>,
 }
 
@@ -109,7 +109,8 @@ fn figures(head: &Head, experiment: &host_sim::experiment::Experiment, mode: Ope
     })
 }
 
-/// Of the power that holds the overheat in quiescent gas: no element becomes as warm as there.
+/// Share of the power that holds the overheat in quiescent gas: no element becomes as warm as
+/// there.
 const SHARE: f64 = 0.9;
 
 /// An experiment of a lab with its elements in a mode; for other modes than constant temperature

@@ -6,12 +6,12 @@ use crate::table::ResultTable;
 
 use super::{BANDWIDTH, HeadFigures, MeasuredHead};
 
-/// What `studies benchmark heads` reports.
+/// Report of `studies benchmark heads`.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct HeadsReport {
     /// Head by head, and mode by mode.
     pub heads: Vec<HeadFigures>,
-    /// What could not be calibrated in a mode, and why.
+    /// Heads that could not be calibrated in a mode, and why.
     pub refused: Vec<String>,
 }
 

@@ -13,13 +13,13 @@ use super::records::run_of;
 const SHARES: [f64; 3] = [-0.4, 0.1, 0.5];
 /// Length of a loop that is predicted, s.
 const LOOP_S: f64 = 40_000.0;
-/// Of the integrator.
+/// Gain of the integrator.
 const GAIN_PER_TICK: f32 = 0.1;
 
 /// A set-point, predicted and simulated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoopFigures {
-    /// Of the loop.
+    /// Order of the loop.
     pub order: u8,
     /// Set-point, V.
     pub target_v: f64,
@@ -74,7 +74,7 @@ fn drive(order: u8, target: f32) -> Drive {
 /// Days at a set-point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DaysFigures {
-    /// Of the loop.
+    /// Order of the loop.
     pub order: u8,
     /// Greatest distance of the measured shift from the set-point then, V.
     pub most_off_v: f64,

@@ -10,7 +10,7 @@ use recording::{Collector, Recording};
 
 /// One run.
 pub struct DeviceRecord {
-    /// What it amounted to.
+    /// Summary of the run.
     pub summary: DeviceRunSummary,
     /// Its rows.
     pub recording: Recording,

@@ -69,7 +69,7 @@ impl MemsReport {
                 brief(of.target_v),
                 brief(predicted),
                 brief(simulated),
-                // Of the share of ones, (1 + s)/2.
+                // Difference of the share of ones, (1 + s)/2.
                 format!("{:.2} %", 50.0 * (predicted - simulated).abs()),
                 format!("{:.3} %", 100.0 * (predicted_v - simulated_v).abs() / of.span_v),
                 of.reached_s.map(brief).join(", "),

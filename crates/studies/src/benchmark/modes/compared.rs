@@ -7,12 +7,12 @@ use recording::toml_file::FileError;
 
 /// The wind before and after the step, m/s along −x.
 pub const WINDS_M_S: [f64; 2] = [3.0, 6.0];
-/// How much of the slowest time constant a run lasts before and after its step.
+/// Number of slowest time constants that a run lasts before and after its step.
 const TIME_CONSTANTS: f64 = 6.0;
 /// Longest that it lasts, s.
 const LONGEST_S: f64 = 7200.0;
 
-/// How the elements are operated.
+/// Mode in which the elements are operated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OperatingMode {
     /// Constant temperature, by the thermal sigma-delta loop.
@@ -27,7 +27,7 @@ impl OperatingMode {
     /// All three.
     pub const ALL: [Self; 3] = [Self::Cta, Self::Cca, Self::Cpa];
 
-    /// As anemometry calls it.
+    /// Name in anemometry.
     pub fn name(self) -> &'static str {
         match self {
             Self::Cta => "CTA",
@@ -37,14 +37,14 @@ impl OperatingMode {
     }
 }
 
-/// What one mode comes to on one head.
+/// Figures of one mode on one head.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModeFigures {
     /// The mode.
     pub mode: OperatingMode,
     /// Until r has made nine tenths of its change, s.
     pub response_s: f64,
-    /// What is left of the change ten times as long after that of CTA, %.
+    /// Rest of the change ten times as long after that of CTA, %.
     pub creep_percent: f64,
     /// Error of the speed by a gas 10 K warmer than believed, %.
     pub gas_percent: f64,
@@ -64,7 +64,7 @@ pub struct ComparedHead {
     pub power_w: Vec<f64>,
     /// At the second wind, W.
     pub power_after_w: Vec<f64>,
-    /// How long a run lasts before and after its step, s.
+    /// Time that a run lasts before and after its step, s.
     pub settle_s: f64,
     survey: BodySurvey,
 }

@@ -16,7 +16,7 @@ const MEAN_S: f64 = 0.5;
 const NOISE_CODES: f64 = 4.0;
 /// Share of the converter's range that a reading at the high level takes at most.
 const CONVERTER: f64 = 0.95;
-/// What the high level has over what is needed.
+/// Ratio of the high level to what is needed.
 const TO_SPARE: f64 = 1.5;
 /// Share of the change that counts as there.
 const THERE: f64 = 0.9;
@@ -54,7 +54,7 @@ impl JumpCourse {
         MEAN_S * (1..count).find(there).unwrap_or(count) as f64
     }
 
-    /// What is left of the change at a time after the step, as a mean over a third of that time, %.
+    /// Rest of the change at a time after the step, as a mean over a third of that time, %.
     pub fn left_percent(&self, time_s: f64) -> f64 {
         let from = ((time_s / MEAN_S) as usize).min(self.after_w_k.len() - 1);
         let to = (from + from / 3 + 1).min(self.after_w_k.len());

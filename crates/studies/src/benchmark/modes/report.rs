@@ -7,7 +7,7 @@ use crate::table::ResultTable;
 
 use super::compared::{ModeFigures, WINDS_M_S};
 
-/// What `studies benchmark modes` reports.
+/// Report of `studies benchmark modes`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModesReport {
     /// Head by head.
@@ -25,9 +25,9 @@ pub struct HeadModes {
     pub nominal: Vec<ModeFigures>,
     /// Over the ranges of its unknown numbers: least and greatest.
     pub ranges: Vec<[ModeFigures; 2]>,
-    /// How many others there were.
+    /// Number of others.
     pub draws: usize,
-    /// How many numbers are unknown.
+    /// Number of unknowns.
     pub unknown: usize,
 }
 
@@ -43,7 +43,7 @@ const COLUMNS: [(&str, ModeFigure); 4] = [
 ];
 
 impl HeadModes {
-    /// Of one head, and of others within its ranges.
+    /// Specimens of one head, and of others within its ranges.
     pub fn new(head: &Head, overheat_k: f64, nominal: Vec<ModeFigures>, others: &[Vec<ModeFigures>]) -> Self {
         let range = |m: usize| {
             let all = || others.iter().map(|of| of[m]).chain([nominal[m]]);

@@ -9,7 +9,7 @@ use host_sim::sensor::{BodySurvey, construction_of};
 use super::compared::{ComparedHead, OperatingMode, WINDS_M_S};
 use anemometry::gas::IdealGas;
 
-/// How much warmer, K.
+/// Rise of the temperature, K.
 const WARMER_K: f64 = 10.0;
 
 /// Errors of the speed in a mode, %: in a warmer gas, and on a warmer support.

@@ -50,7 +50,7 @@ pub fn beside<'a>(experiment: &Experiment, head: &'a Head, mode: WindMode) -> Re
     Ok(anemometer)
 }
 
-/// What such an uncertainty of the gas does, beside the same run.
+/// Errors by such an uncertainty of the gas, beside the same run.
 ///
 /// # Errors
 /// As of [`beside`].
@@ -66,7 +66,7 @@ pub fn gas_errors_beside<'a>(
     Ok(errors)
 }
 
-/// What an anemometer beside a run is set up with.
+/// Set-up of an anemometer beside a run.
 struct SetUp<'a> {
     calibration: &'a Calibration,
     output: WindOutput,

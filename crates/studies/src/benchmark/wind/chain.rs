@@ -53,7 +53,7 @@ pub fn network_of(
         let wanted: Vec<String> = elements.iter().map(|&name| name.to_owned()).collect();
         records.push(recorded(&experiment)?.only(&wanted)?);
     }
-    Ok(identify(records.len(), &|n| Ok(records[n].clone()), poles, &mut |_, _, _| {})?)
+    identify(records.len(), &|n| Ok(records[n].clone()), poles, &mut |_, _, _| {})
 }
 
 /// A record in memory.
@@ -62,13 +62,7 @@ fn recorded(experiment: &Experiment) -> Result<QuiescentRecord> {
     let layout = RecordingLayout {
         elements: names.iter().copied().map(str::to_owned).collect(),
         true_wind: true,
-        gas: false,
-        observed: Vec::new(),
-        estimates: Vec::new(),
-        combined_wind: false,
-        earth_wind: false,
-        cores: Vec::new(),
-        numbers: Vec::new(),
+        ..RecordingLayout::default()
     };
     let mut known: Metadata = experiment.conditions().to_metadata();
     known.push(("head".to_owned(), experiment.head.source.text.clone()));

@@ -1,4 +1,4 @@
-//! WindComparison of speed and direction in winds that no calibration has seen.
+//! Errors of speed and direction in winds that no calibration has seen.
 
 use super::blown::blow;
 use super::sphere::WindMode;
@@ -9,8 +9,8 @@ use anemometry::wind::comparison::WindComparison;
 use anemometry::wind::off_line::axes;
 use anyhow::Result;
 
-/// Of every wind so much is left out, s: the answers that count are those of a wind, not of the
-/// change to it.
+/// Time left out at the beginning of every wind, left out, s: the answers that count are those of a
+/// wind, not of the change to it.
 pub const SETTLE_S: f64 = 3.0;
 
 /// One mode.
@@ -18,15 +18,15 @@ pub const SETTLE_S: f64 = 3.0;
 pub struct Directions {
     /// The bandwidth.
     pub mode: WindMode,
-    /// How many winds.
+    /// Number of winds.
     pub winds: usize,
-    /// WindComparison over all of them.
+    /// Errors over all of them.
     pub errors: WindComparison,
 }
 
 /// Measures the errors in 500 unseen winds, by bandwidth.
 ///
-/// # WindComparison
+/// # Errors
 /// What could not be run.
 pub fn measure(lab: &StudyLab, head: &Head, modes: &[WindMode]) -> Result<Vec<Directions>> {
     let experiment = lab.experiment("winds")?;
@@ -38,9 +38,9 @@ pub fn measure(lab: &StudyLab, head: &Head, modes: &[WindMode]) -> Result<Vec<Di
     })
 }
 
-/// WindComparison by mode in the winds of any experiment.
+/// Errors by mode in the winds of any experiment.
 ///
-/// # WindComparison
+/// # Errors
 /// What could not be run.
 pub fn of(
     experiment: &host_sim::experiment::Experiment,

@@ -33,7 +33,7 @@ pub fn findings(of: &MeasuredSphere) -> StudyFindings {
     found
 }
 
-/// WindComparison in unseen winds, at the bandwidth with the least.
+/// Errors in unseen winds, at the bandwidth with the least.
 fn directions(of: &MeasuredSphere, found: &mut StudyFindings) {
     let rms = |errors: &WindComparison| errors.speed.rms().unwrap_or(f64::NAN);
     let Some(best) = of.directions.iter().min_by(|a, b| rms(&a.errors).total_cmp(&rms(&b.errors))) else { return };

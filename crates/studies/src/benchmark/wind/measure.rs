@@ -15,7 +15,7 @@ use anemometry::network::identify::PolesPerPair;
 
 /// All that was measured of a sphere.
 pub struct MeasuredSphere {
-    /// Which.
+    /// Sphere.
     pub sphere: BenchmarkSphere,
     /// The calibrated head's file.
     pub text: String,

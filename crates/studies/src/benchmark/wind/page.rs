@@ -6,18 +6,18 @@ use super::measure::MeasuredSphere;
 use super::sphere::WindMode;
 use super::steps::Way;
 use anemometry::calibrate::report::ConductanceNoise;
-use recording::template::{TemplateError, fill};
+use recording::template::fill;
 
 /// The page over some spheres.
 ///
 /// # Errors
 /// If the templates of the page do not go with its values.
-pub fn page(all: &[MeasuredSphere]) -> Result<String, TemplateError> {
+pub fn page(all: &[MeasuredSphere]) -> anyhow::Result<String> {
     let spheres = all.iter().map(section).collect::<Result<String, _>>()?;
     fill(include_str!("pages/wind.md"), &[("settle_s", &SETTLE_S.to_string()), ("spheres", &spheres)])
 }
 
-fn section(of: &MeasuredSphere) -> Result<String, TemplateError> {
+fn section(of: &MeasuredSphere) -> anyhow::Result<String> {
     let bands = of.turbulence.first().map_or(&[][..], |first| &first.bands);
     let headings: String = bands.iter().map(|band| format!(" {} to {} Hz |", band.from_hz, band.to_hz)).collect();
     let noise =

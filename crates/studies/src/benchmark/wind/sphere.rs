@@ -7,7 +7,7 @@ use std::fmt;
 pub struct WindMode {
     /// Steady bandwidth of the convective powers, Hz.
     pub bandwidth_hz: f64,
-    /// Whether it stays when the wind jumps.
+    /// It stays when the wind jumps.
     pub fixed: bool,
 }
 
@@ -34,7 +34,7 @@ pub struct BenchmarkSphere {
     pub elements: &'static [&'static str],
     /// Bandwidths at which it is stepped, Hz.
     pub step_hz: &'static [f64],
-    /// What is judged by its steps.
+    /// Mode that is judged by its steps.
     pub judged: WindMode,
     /// Within 5 % for good after a step, s.
     pub response_s: f64,
@@ -42,7 +42,7 @@ pub struct BenchmarkSphere {
     pub winds_hz: &'static [f64],
     /// Bandwidths in turbulence, Hz.
     pub turbulence_hz: &'static [f64],
-    /// Whether its estimate has all of the direction.
+    /// Its estimate has all of the direction.
     pub whole: bool,
 }
 

@@ -16,7 +16,7 @@ use crate::thesis::lab::alternating;
 use anemometry::head::Head;
 use anyhow::{Result, bail};
 
-/// How near an answer has to stay.
+/// Distance within which an answer has to stay.
 const WITHIN: f64 = 0.05;
 const REPEATS: usize = 60;
 /// Before the first step, and between steps, s.
@@ -26,7 +26,7 @@ const HOLD_S: f64 = 6.0;
 const MEAN_S: f64 = 30.0;
 /// Left out after a step, s: what is slower is a drift.
 const AFTER_S: f64 = 5.0;
-/// Of raw powers that drift, s: single ones are noisy.
+/// Length of means of raw powers that drift, s: single ones are noisy.
 const RAW_MEAN_S: f64 = 1.0;
 /// Raw powers are looked at so: smoothed by far less than their 0.7 s.
 const RAW: WindMode = WindMode { bandwidth_hz: 5.0, fixed: true };
@@ -42,7 +42,7 @@ pub struct Way {
     pub single_response_s: f64,
     /// Relative, of single answers.
     pub noise: f64,
-    /// Of single answers in the second half.
+    /// Share of single answers in the second half.
     pub outside: f64,
 }
 
@@ -119,7 +119,7 @@ pub fn settled_s(values: &[f64], every_s: f64) -> f64 {
     last.map_or(0.0, |last| (last + 1) as f64 * every_s)
 }
 
-/// What happens in ten minutes after a step.
+/// Drift in ten minutes after a step.
 #[derive(Debug, Clone)]
 pub struct Drift {
     /// The bandwidth.
@@ -128,9 +128,9 @@ pub struct Drift {
     pub answer: [f64; 2],
     /// The same of the raw conductance.
     pub raw: [f64; 2],
-    /// How raw powers are read.
+    /// Law by which raw powers are read.
     pub law: RawLaw,
-    /// Of the speeds that they say: until within 5 % for good, s.
+    /// Response of the speeds that they say: until within 5 % for good, s.
     pub raw_response_s: [f64; 2],
 }
 

@@ -16,7 +16,7 @@ use anemometry::head::Head;
 use anyhow::Result;
 use std::f64::consts::TAU;
 
-/// Of the estimate, s.
+/// Length of the estimate, s.
 const SEGMENT_S: f64 = 20.48;
 /// Edges of the bands, Hz.
 const EDGES_HZ: [f64; 5] = [0.05, 0.5, 1.0, 1.5, 2.0];

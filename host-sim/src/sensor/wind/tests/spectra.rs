@@ -6,7 +6,7 @@ use super::*;
 
 const SEGMENT: usize = 16_384;
 
-/// What is expected of one component: variance and one-sided spectrum of the continuous process.
+/// Expectation of one component: variance and one-sided spectrum of the continuous process.
 struct Expected {
     variance: f64,
     spectrum: Box<dyn Fn(f64) -> f64>,
@@ -36,7 +36,7 @@ fn kaimal(height_m: f64, speed_m_s: f64) -> [Expected; 3] {
     })
 }
 
-/// Of the means over each period: S sinc², folded.
+/// Spectrum of the means over each period: S sinc², folded.
 fn of_means(spectrum: &dyn Fn(f64) -> f64, f: f64, period_s: f64) -> f64 {
     let once = |fold: i32| {
         let f = (f + f64::from(fold) / period_s).abs();
@@ -117,7 +117,7 @@ fn holds(kind: Spectrum, expected: [Expected; 3], speed_m_s: f64, period_s: f64,
             let x = PI * f * period_s;
             spectrum(f) * (libm::sin(x) / x).powi(2)
         });
-        // Of a Gaussian process the variance's variance is ∫ S² df/T.
+        // The variance's variance of a Gaussian process is ∫ S² df/T.
         let error = (integral(|f| spectrum(f).powi(2)) / duration_s).sqrt();
         let variance = samples.iter().map(|x| x * x).sum::<f64>() / count as f64;
         assert!((variance - kept).abs() < 4.5 * error, "{k}: variance {variance} for {kept} ± {error}");
@@ -136,7 +136,7 @@ fn holds(kind: Spectrum, expected: [Expected; 3], speed_m_s: f64, period_s: f64,
             assert!((ratio - 1.0).abs() < 4.5 / independent.sqrt(), "{k}: {ratio} of the formula at {} Hz", f(band[0]));
             for &bin in &band {
                 let kept = of_means(spectrum, f(bin), period_s) / spectrum(f(bin));
-                // As the module says it.
+                // The module says so.
                 assert!((0.71..1.005).contains(&kept), "{kept} at {} Hz", f(bin));
             }
             // A decade of −5/3: well above the eddies and well below half the sample rate.
