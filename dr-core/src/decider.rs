@@ -76,7 +76,7 @@ impl<const N: usize> Decider<N> {
         Ok(Some(reply))
     }
 
-    /// Whether the anemometer may be told something now; returns the sample period.
+    /// Checks that the anemometer may be told something now; returns the sample period.
     fn check_wind(&self, command: &WindCommand) -> Result<f32, Refusal> {
         match (command, self.controller.state()) {
             (WindCommand::Gas { .. }, _) | (_, RunState::Standby) => {}

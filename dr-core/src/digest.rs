@@ -13,9 +13,9 @@ pub struct Digest(u64);
 /// Digests of a run: of all that was decided, and of all that was estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct RunDigests {
-    /// Of the controller after each tick.
+    /// Digest of the controller after each tick.
     pub control: Digest,
-    /// Of the anemometer after each tick.
+    /// Digest of the anemometer after each tick.
     pub wind: Digest,
 }
 

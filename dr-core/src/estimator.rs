@@ -11,7 +11,7 @@ use crate::digest::Digest;
 use crate::wind::anemometer::command::WindCommand;
 use crate::wind::anemometer::{Anemometer, WindTick};
 
-/// What the decider hands over.
+/// Item that the decider hands over.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Handover<const N: usize> {
     /// All settings are void.
@@ -36,7 +36,7 @@ pub enum Handover<const N: usize> {
     },
 }
 
-/// What a handover leads to.
+/// Result of a handover.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Estimated {
     /// Reply to a command.
@@ -93,7 +93,7 @@ impl<const N: usize> Estimator<N> {
         done.map(|()| Reply::Done).map_err(|error| Refusal::Invalid { element, error })
     }
 
-    /// Whether a flipped bit has been found since the last call: the decider is to trip.
+    /// Returns true if a flipped bit has been found since the last call: the decider is to trip.
     pub const fn take_bit_flip(&mut self) -> bool {
         core::mem::replace(&mut self.has_flipped, false)
     }

@@ -90,16 +90,16 @@ impl SettingsLoader {
         Ok(())
     }
 
-    /// Sends a command to the control task, which has a higher priority and carries it out as soon
-    /// as it is woken.
+    /// Sends a command to the control task. Control or the estimator replies; both have a higher
+    /// priority and run as soon as they are woken.
     fn send(&mut self, command: Command, wake_control: &impl Fn()) -> Outcome {
         if queue::put(&mut self.orders, command).is_err() {
             // It has room for one, and commands are sent one at a time.
             return Ok(());
         }
         wake_control();
-        // This task is preempted by it within a few instructions. Should the control task be dead,
-        // the watchdog ends this loop.
+        // This task is preempted by them within a few instructions. Should one of them be dead, the
+        // watchdog ends this loop.
         loop {
             if let Some(outcome) = self.outcomes.dequeue() {
                 return outcome;

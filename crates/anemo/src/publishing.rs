@@ -26,7 +26,7 @@ pub struct PublishArguments {
     /// Let other machines reach listeners at this address of this one.
     #[arg(long, value_name = "IP")]
     listen: Option<IpAddr>,
-    /// What a listener's client says before it may command; without, one is made and printed.
+    /// Token that a client says before it may command; without, one is made and printed.
     #[arg(long, value_name = "TOKEN", env = "ANEMO_TOKEN", hide_env_values = true)]
     token: Option<String>,
     #[command(flatten)]

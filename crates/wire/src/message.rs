@@ -372,7 +372,7 @@ pub struct Status {
     pub unsent: u32,
     /// Times that the heaters were lowered because their levels had not been decided anew in time.
     pub deadlines: u32,
-    /// What the control task says of itself.
+    /// Status of the control task.
     pub control: ControlStatus,
 }
 

@@ -82,7 +82,7 @@ pub fn take_command(record: &[u8]) -> Result<(Command, &[u8]), Unusable> {
     if sets_up(&taken.0) { Ok(taken) } else { Err(Unusable::Damaged) }
 }
 
-/// Whether a command sets an instrument up, so that a record may contain it.
+/// Returns true if a command sets an instrument up, so that a record may contain it.
 pub const fn sets_up(command: &Command) -> bool {
     match command {
         Command::SamplePeriod { .. }

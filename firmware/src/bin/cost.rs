@@ -125,7 +125,7 @@ fn wind_3_sectors(head: &WindVector, state: &mut WindState, gas: &GasState, meas
     black_box(head).step(state, gas, measured)
 }
 
-/// What a tick costs the control task for its estimate: the handover to the other task.
+/// Cost of a tick's estimate to the control task: the handover to the other task.
 #[unsafe(no_mangle)]
 #[inline(never)]
 fn handover_6_elements(decider: &Decider<ELEMENTS>, tick: &Tick<ELEMENTS>) -> Handover<ELEMENTS> {

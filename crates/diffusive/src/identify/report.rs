@@ -90,7 +90,7 @@ impl Display for IdentifyReport<'_> {
     }
 }
 
-/// How far rows are apart.
+/// Distance of rows.
 pub fn spacing(model: &Model) -> String {
     match model.provenance.uneven_times {
         true => " at uneven times".to_owned(),

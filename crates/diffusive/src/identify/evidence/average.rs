@@ -32,7 +32,7 @@ pub struct Member {
 }
 
 impl Member {
-    /// Whether body and room may stand for each other.
+    /// Body and room may stand for each other.
     fn is_open(&self) -> bool {
         self.kind.is_some() || self.corner < SLOW_BODY
     }
@@ -44,7 +44,7 @@ pub struct Average {
     pub members: Vec<(f64, Member)>,
     /// Evidence in nats of an offset that moves over one that stands.
     pub moving_nats: f64,
-    /// What is added to the variances of gains, by member and input.
+    /// Variances added to those of gains, by member and input.
     widened: Vec<Vec<f64>>,
 }
 

@@ -1,4 +1,4 @@
-//! What is read of a record for one choice of paths: the triangular factor of all columns.
+//! Columns of a record for one choice of paths, as their triangular factor.
 //!
 //! Columns are a design's, with the poles of filters among the rates of every bank, so that the
 //! filter of a drift maps columns to columns ([`crate::identify::drift`]).
@@ -24,7 +24,7 @@ pub struct OutputTable {
 /// A dead time in samples; −1: the output answers in the row of its input.
 pub type Delay = i32;
 
-/// Which columns were read.
+/// Key of the columns that were read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColumnsKey {
     pub delays: Vec<Delay>,
@@ -61,7 +61,7 @@ impl OutputTable {
         }
     }
 
-    /// Whether rows stand at times of their own.
+    /// Returns true if rows stand at times of their own.
     pub fn is_uneven(&self) -> bool {
         !self.blocks[0].interval_s.is_empty()
     }
@@ -107,7 +107,7 @@ impl OutputTable {
         (0..self.inputs()).map(of).max().unwrap_or(0)
     }
 
-    /// Whether the output has more than one value.
+    /// Returns true if the output has more than one value.
     pub fn answers(&self) -> bool {
         let (least, most) = extremes(&self.output(self.rows()));
         most > least
@@ -145,7 +145,7 @@ impl Columns {
         &self.poles
     }
 
-    /// What the model weighs: relaxations of every input, decays, the offset last. An answer in the
+    /// Terms of the model: relaxations of every input, decays, the offset last. An answer in the
     /// same row is a step ahead of a relaxation: x + (1 − a)(u − x).
     pub fn terms(&self, grid: &Grid, initial_state: InitialState) -> Vec<ModelTerm> {
         let roles = self.design.roles();

@@ -36,7 +36,7 @@ pub fn initial_states(given: Option<InitialState>, is_driven: bool) -> Vec<(Init
 pub struct Drift {
     pub filter: Option<NoiseFilter>,
     pub ln_prior: f64,
-    /// Whether it is among the few by which paths are compared.
+    /// It is among the few by which paths are compared.
     pub is_screened: bool,
 }
 

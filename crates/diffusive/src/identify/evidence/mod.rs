@@ -66,7 +66,7 @@ const FAST: f64 = 0.95;
 const AVERAGED: f64 = 0.99;
 const MOST_AVERAGED: usize = 30;
 
-/// What the evidence says of one output.
+/// Result of the evidence for one output.
 pub struct Weighed {
     /// By input.
     pub gains: Vec<Mixture>,
@@ -221,7 +221,7 @@ fn output_tables(source: &mut dyn RecordSource) -> Result<Vec<OutputTable>, Reco
     Ok(tables)
 }
 
-/// Whether the user leaves open what the evidence decides.
+/// Returns true if the user leaves open what the evidence decides.
 fn is_plain(options: &IdentifyOptions) -> bool {
     let given = &options.constraints;
     options.structure.is_none_or(|structure| structure == Structure::Symbol)

@@ -25,7 +25,7 @@ use dr_core::model::mesh;
 const START: f64 = 12.0;
 /// Half the step of ln ξ over which columns are differentiated.
 const HALF_STEP: f64 = 1e-3;
-/// What is added to squares of unit columns: neighbours on a fine grid are nearly dependent.
+/// Ridge on squares of unit columns: neighbours on a fine grid are nearly dependent.
 const HELD: f64 = 1e-13;
 /// Steps of one search at most, the longest in ln ξ, and the relative gain that ends it.
 const MOST_STEPS: usize = 25;
@@ -44,7 +44,7 @@ pub struct Transient<'a> {
     bounds: (f64, f64),
 }
 
-/// As many poles as a record tells apart.
+/// Poles that a record tells apart.
 pub struct Poles {
     pub model: WeighedModel,
     pub noise_variance: f64,
@@ -169,7 +169,7 @@ impl<'a> Transient<'a> {
         best
     }
 
-    /// As many poles as the record tells apart.
+    /// Finds the poles that the record tells apart; none if it shows none.
     pub fn model(&self) -> Option<Poles> {
         let start = self.start();
         if start.is_empty() {

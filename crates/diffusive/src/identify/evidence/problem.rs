@@ -74,7 +74,7 @@ pub struct Moments {
     pub variance: f64,
 }
 
-/// What a hypothesis says of one input.
+/// Gain of one input under a hypothesis.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Effect {
     pub gain: Moments,
@@ -202,7 +202,7 @@ impl<'a> Problem<'a> {
         let blocks = self.blocks(shape);
         let (u, form, v) = Bidiagonal::new(self.scaled(&blocks)).unpack();
         let right = u.tr_mul(&self.z);
-        // What every sum of parameters weighs in the bidiagonal form.
+        // Weights of every sum of parameters in the bidiagonal form.
         let sums: Vec<[DVector<f64>; 3]> = blocks[..self.inputs()]
             .iter()
             .map(|(first, block)| {
@@ -241,7 +241,7 @@ impl<'a> Problem<'a> {
         SCALES.iter().map(of_scale).collect()
     }
 
-    /// What is known of all parameters with one scale.
+    /// Posterior of all parameters with one scale.
     pub fn posterior(&self, shape: Shape, scaled: &Scaled) -> Posterior {
         let blocks = self.blocks(shape);
         let count = self.a.ncols();

@@ -19,7 +19,7 @@ const MOST_DELAYS: usize = 3;
 const DRIFT_COUNTS: f64 = 7.0;
 const COUNTS: f64 = 14.0;
 
-/// What the user fixed.
+/// Choices that the user fixed.
 #[derive(Debug, Clone, Default)]
 pub struct Asked {
     pub initial_state: Option<InitialState>,
@@ -67,7 +67,7 @@ impl<'a> Reading<'a> {
     }
 }
 
-/// What was found.
+/// Result of a search.
 pub struct Found<'a> {
     reading: Reading<'a>,
     units: Units,
@@ -152,7 +152,7 @@ impl PathSearch<'_> {
     }
 }
 
-/// Whether all inputs move in the first rows.
+/// Returns true if all inputs move in the first rows.
 fn moves_in(table: &OutputTable, rows: usize) -> bool {
     (0..table.inputs()).all(|input| table.input(input, rows).windows(2).any(|two| two[0] != two[1]))
 }

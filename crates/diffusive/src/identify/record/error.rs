@@ -19,7 +19,7 @@ pub enum RecordError {
     Uneven {
         /// The file.
         record: PathBuf,
-        /// What is wrong, where, and what would be right.
+        /// Sentence: what is wrong, where, and what would be right.
         sentence: String,
     },
     /// A row, a column or the whole record is not as identification needs it; the sentence names it
@@ -28,7 +28,7 @@ pub enum RecordError {
     Content {
         /// The file, or what a table in memory is called.
         record: PathBuf,
-        /// What is wrong, where, and what would be right.
+        /// Sentence: what is wrong, where, and what would be right.
         sentence: String,
     },
 }

@@ -23,7 +23,7 @@ const AT_ZERO: f64 = 1e-3;
 /// Opens a record, on whatever times its rows stand.
 ///
 /// # Errors
-/// Those of [`RecordStream::open_all`]; or if an uneven record has several files, event classes, a
+/// Fails as [`RecordStream::open_all`] does; or if an uneven record has several files, event classes, a
 /// gas column or too many rows.
 pub fn open(paths: &[PathBuf], selection: &Selection) -> Result<Box<dyn RecordSource>, RecordError> {
     match RecordStream::open_all(paths, selection) {
