@@ -3,6 +3,7 @@
 use crate::lives::{Chance, number};
 use crate::rig::{Rig, experiment};
 use dr_core::control::RunState;
+use dr_core::control::self_test::plan;
 use host_sim::experiment::Experiment;
 use host_sim::instrument::serial::Serial;
 use host_sim::instrument::{InstrumentError, SettingsPort};
@@ -185,12 +186,15 @@ fn a_supply_that_is_cut_between_two_requests_leaves_no_half_head() {
 
 /// Starts, and changes of the head, of which there are three in ten. `ANEMO_STARTS` asks for others.
 const STARTS: u64 = 20;
+/// Longest time from a reset to the first tick of the self-test.
+const SET_UP_MS: u64 = 60;
 
 #[test]
 fn starts_and_changes_with_a_head_configured_trip_nothing_and_leave_no_half_head() {
     let heads = heads();
-    let rig = Rig::of(&heads[0]);
-    let mut stored = of_head(&heads[0]);
+    let mut head = &heads[0];
+    let rig = Rig::of(head);
+    let mut stored = of_head(head);
     let mut instrument = rig.instrument();
     settings::write(&mut instrument, &stored).unwrap();
     let is_standby = || rig.machine().board().witness.state() == Some(RunState::Standby);
@@ -202,15 +206,17 @@ fn starts_and_changes_with_a_head_configured_trip_nothing_and_leave_no_half_head
             let source = chance.one_of(&[ResetSource::Pin, ResetSource::PowerOn]);
             rig.machine().reset_by(source).unwrap();
             instrument = rig.instrument();
-            // The self-test of the start, whose findings are not written.
-            rig.machine().run_for(ms(6_000)).unwrap();
+            // Set-up, and the self-test of the start, whose findings are not written.
+            let tested_s = f64::from(plan::test_ticks(0, head.head.elements.len())) * head.sample_period_s;
+            rig.machine().run_for(ms(SET_UP_MS + (1e3 * tested_s) as u64)).unwrap();
             let all = settings::read_all(&mut instrument).unwrap();
             assert_eq!((all.settings, all.unused), (Ok(stored.clone()), None), "start {start}");
             let findings = all.test_at_start.map(|test| test.findings.len());
             assert_eq!(findings, Some(heads[0].head.elements.len()), "start {start}");
         } else {
             // The erase comes while the head is configured.
-            stored = of_head(&heads[(start % 2) as usize]);
+            head = &heads[(start % 2) as usize];
+            stored = of_head(head);
             stored.set("name", &format!("change {start}"), None).unwrap();
             settings::write(&mut instrument, &stored).unwrap();
             assert_eq!(kept(&mut instrument), stored, "change {start}");
