@@ -81,16 +81,17 @@ impl Grid {
         let fastest = finite[finite.len() - 1] * libm::pow(10.0, 1.0 / self.per_decade);
         let decades: Vec<f64> = finite.iter().chain([&fastest]).map(|rate| libm::log10(*rate)).collect();
         let corner = shape.corner * TAU / self.duration_s;
-        let size = |decade: f64| {
-            let above = libm::pow(10.0, decade) / corner;
+        let size = |decade: &f64| {
+            let above = libm::pow(10.0, *decade) / corner;
             libm::pow(above.min(1.0), STEEPNESS) * libm::pow(above.max(1.0), -shape.tilt)
         };
+        let sizes: Vec<f64> = decades.iter().map(size).collect();
         let count = decades.len();
         let correlations = DMatrix::from_fn(count, count, |i, j| {
             let own = if i == j { 1e-9 } else { 0.0 };
             libm::exp(-(decades[i] - decades[j]).abs() / shape.correlation) + own
         });
         let factor = Cholesky::new(correlations).map_or_else(|| DMatrix::identity(count, count), Cholesky::unpack);
-        DMatrix::from_fn(count, count, |i, j| size(decades[i]) * factor[(i, j)])
+        DMatrix::from_fn(count, count, |i, j| sizes[i] * factor[(i, j)])
     }
 }

@@ -57,7 +57,8 @@ use search::{Asked, Found, search};
 
 /// Moves of an input up to which a drift is not told from a structure that the model lacks.
 const SELDOM: usize = 50;
-/// Rows that are held in memory, and of records whose input moves often.
+/// Rows that are weighed of records with one input, and of those whose input moves often. Time
+/// grows with the square of the columns: records with more inputs may have fewer rows.
 const MOST_ROWS: u64 = 100_000;
 const MOST_MOVED_ROWS: u64 = 20_000;
 /// Probability from which on a body is surely faster than the record.
@@ -166,7 +167,9 @@ impl Weighable {
     /// If the record cannot be read.
     pub fn read(source: &mut dyn RecordSource, options: &IdentifyOptions) -> Result<Option<Self>, RecordError> {
         let survey = source.survey().clone();
-        if !is_plain(options) || survey.gas_column.is_some() || survey.segments > 1 || survey.rows > MOST_ROWS {
+        let banks = survey.inputs.len() as u64 + 1;
+        let as_one_input = survey.rows.saturating_mul(banks * banks) / 4;
+        if !is_plain(options) || survey.gas_column.is_some() || survey.segments > 1 || as_one_input > MOST_ROWS {
             return Ok(None);
         }
         if survey.event_column.is_some() {
@@ -174,7 +177,7 @@ impl Weighable {
         }
         let tables = output_tables(source)?;
         let moves = tables[0].moves();
-        let is_ours = (moves < SELDOM || survey.rows <= MOST_MOVED_ROWS) && tables.iter().all(OutputTable::answers);
+        let is_ours = (moves < SELDOM || as_one_input <= MOST_MOVED_ROWS) && tables.iter().all(OutputTable::answers);
         Ok(is_ours.then_some(Self { tables, moves }))
     }
 
