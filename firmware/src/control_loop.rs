@@ -43,10 +43,8 @@ pub trait ControlBoard<const N: usize> {
     fn overran(&mut self) -> bool;
     /// What a check of the front end has found, once.
     fn take_fault(&mut self) -> Option<Cause>;
-    /// Conversions so far that have not been read, or whose frame was damaged.
-    fn lost_conversions(&self) -> u32;
-    /// Longest time of the run from an edge to the pins, µs.
-    fn edge_to_pins_us(&self) -> u32;
+    /// Puts counters of the front end into the status.
+    fn report(&self, _status: &mut ControlStatus) {}
     /// The tick is through, but for its estimate. For boards whose front end is a link.
     fn decided(&mut self, _decider: &Decider<N>, _tick: &Tick<N>) {}
     /// A reply that such a front end waits for. The digest of the wind, and whether the host gets an
@@ -54,10 +52,6 @@ pub trait ControlBoard<const N: usize> {
     fn reply(&mut self, _estimated: Option<(Digest, bool)>) -> Option<FromBoard> {
         None
     }
-    /// Keeps the trip counter across a reset.
-    fn keep_lockout(&mut self, words: &LockoutWords);
-    /// The crash of an earlier start has been acknowledged.
-    fn acknowledge_crash(&mut self);
 }
 
 /// Queues and flags of the control task.
@@ -90,7 +84,7 @@ pub struct ControlShared<'a, 'b> {
     pub estimated: (Digest, bool),
 }
 
-/// Tasks that have something to do now.
+/// What has to be done after a run: tasks to wake, words to keep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Woken {
     /// The transmitter.
@@ -99,6 +93,10 @@ pub struct Woken {
     pub estimate: bool,
     /// The settings server.
     pub settings: bool,
+    /// The crash of an earlier start has been acknowledged.
+    pub acknowledged: bool,
+    /// The trip counter has changed, which is kept across a reset.
+    pub lockout: Option<LockoutWords>,
 }
 
 /// The loop. It owns the decider.
@@ -139,7 +137,7 @@ impl<'a, B: ControlBoard<N>, const N: usize> ControlLoop<'a, B, N> {
         if let Some(cause) = self.links.interlock.take_trip() {
             self.decider.trip(cause);
         }
-        if self.links.phase.take_host() {
+        if self.links.phase.host_heard.take() {
             self.decider.host_heard();
         }
         if matches!(self.decider.controller().state(), RunState::Running | RunState::Testing) {
@@ -167,14 +165,6 @@ impl<'a, B: ControlBoard<N>, const N: usize> ControlLoop<'a, B, N> {
     }
 
     fn carry_out_commands(&mut self, shared: &mut ControlShared<'_, '_>) {
-        self.carry_out_orders(shared);
-        if let Some(to) = self.links.interlock.take_stop() {
-            self.stop(to, shared);
-        }
-        self.carry_out_requests(shared);
-    }
-
-    fn carry_out_orders(&mut self, shared: &mut ControlShared<'_, '_>) {
         while self.links.estimates.has_room()
             && let Some(command) = self.links.orders.dequeue()
         {
@@ -183,27 +173,25 @@ impl<'a, B: ControlBoard<N>, const N: usize> ControlLoop<'a, B, N> {
                 queue::put(shared.outcomes, result.map(drop)).ok();
             }
         }
-    }
-
-    fn stop(&mut self, to: u16, shared: &mut ControlShared<'_, '_>) {
-        // What waited is void: nothing starts behind it.
-        while let Some((to, _)) = self.links.requests.dequeue() {
-            shared.outbox.put(FromBoard::Reply { to, result: Err(Refusal::Stopped) });
+        if let Some(to) = self.links.interlock.take_stop() {
+            // What waited is void: nothing starts behind it.
+            while let Some((to, _)) = self.links.requests.dequeue() {
+                shared.outbox.put(FromBoard::Reply { to, result: Err(Refusal::Stopped) });
+            }
+            self.answer(to, Command::Stop, shared);
         }
-        if let Some(result) = self.carry_out(Origin::Host(to), Command::Stop, shared.status) {
-            shared.outbox.put(FromBoard::Reply { to, result });
-        }
-    }
-
-    fn carry_out_requests(&mut self, shared: &mut ControlShared<'_, '_>) {
         // While settings are written or loaded, the host's commands wait: nothing starts then.
         while !self.links.phase.lock.is_taken()
             && self.links.estimates.has_room()
             && let Some((to, command)) = self.links.requests.dequeue()
         {
-            if let Some(result) = self.carry_out(Origin::Host(to), command, shared.status) {
-                shared.outbox.put(FromBoard::Reply { to, result });
-            }
+            self.answer(to, command, shared);
+        }
+    }
+
+    fn answer(&mut self, to: u16, command: Command, shared: &mut ControlShared<'_, '_>) {
+        if let Some(result) = self.carry_out(Origin::Host(to), command, shared.status) {
+            shared.outbox.put(FromBoard::Reply { to, result });
         }
     }
 
@@ -236,9 +224,9 @@ impl<'a, B: ControlBoard<N>, const N: usize> ControlLoop<'a, B, N> {
         match command {
             // Not before: a start that is refused must not disturb the run.
             Command::Start => board.restart(),
-            Command::SelfTest(_) => links.phase.ask_proof(),
+            Command::SelfTest(_) => links.phase.proof_due.raise(),
             Command::Acknowledge => {
-                board.acknowledge_crash();
+                woken.acknowledged = true;
                 // A bit flip has cleared its settings.
                 let has_forgotten = decider.controller().sample_period_s().is_none();
                 woken.settings |= links.phase.acknowledge(has_forgotten);
@@ -252,7 +240,7 @@ impl<'a, B: ControlBoard<N>, const N: usize> ControlLoop<'a, B, N> {
         let Self { decider, board, links, cut_off, woken, .. } = self;
         // Before the reasons for which others have lowered them.
         let held = board.holds_levels();
-        if links.interlock.take_expired() {
+        if links.interlock.expired.take() {
             decider.trip(Cause::Deadline);
         }
         if !held && !links.interlock.requests_trip() {
@@ -270,7 +258,7 @@ impl<'a, B: ControlBoard<N>, const N: usize> ControlLoop<'a, B, N> {
             decider.trip(Cause::Heater);
         }
         let is_tripped = matches!(tick.state, RunState::Tripped(_));
-        links.interlock.set_cut(cut_off.judge(is_tripped, readings));
+        links.interlock.cut.set(cut_off.judge(is_tripped, readings));
         board.select(decider.input());
         links.estimates.put_tick(decider, &tick);
         board.decided(decider, &tick);
@@ -287,18 +275,17 @@ impl<'a, B: ControlBoard<N>, const N: usize> ControlLoop<'a, B, N> {
 
     /// Says how things stand after a run.
     fn report(&mut self, shared: &mut ControlShared<'_, '_>) {
-        let Self { decider, board, links, kept_lockout, .. } = self;
+        let Self { decider, board, links, kept_lockout, woken, .. } = self;
         let (controller, status) = (decider.controller(), &mut *shared.status);
-        status.missed_estimates = links.estimates.missed();
-        status.lost_conversions = board.lost_conversions();
-        status.edge_to_pins_us = board.edge_to_pins_us();
+        status.missed_estimates = links.estimates.missed;
+        board.report(status);
         status.bit_flips = controller.bit_flips();
         status.armed = controller.is_armed();
         let lockout = controller.lockout();
         if lockout.words() != *kept_lockout {
             // Once a second, and with each trip.
             *kept_lockout = lockout.words();
-            board.keep_lockout(kept_lockout);
+            woken.lockout = Some(*kept_lockout);
             status.history = lockout.history();
         }
         let state = controller.state();

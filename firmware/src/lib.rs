@@ -15,6 +15,7 @@ pub mod cut_off;
 pub mod dead_man;
 pub mod drivers;
 pub mod estimates;
+pub mod flag;
 pub mod inbox;
 pub mod interlock;
 pub mod outbox;

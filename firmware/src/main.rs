@@ -33,7 +33,7 @@ mod app {
     use super::board::{self, ELEMENTS, FrontEnd, HostReceiver, HostTransmitter, Idler};
     use super::settings_loader::SettingsLoader;
     use super::vitals::{self, CHECK_INS, Health, LoggedWind};
-    use super::{halt, ticking};
+    use super::{crash_memory, halt, ticking};
     #[cfg(feature = "sensor-board")]
     use dr_core::control::Cause;
     use dr_core::{Command, Digest};
@@ -204,7 +204,7 @@ mod app {
             }
             for &byte in cx.local.idler.wait() {
                 if let Some(received) = cx.local.bench.push::<ToBoard>(byte) {
-                    PHASE.hear_host();
+                    PHASE.host_heard.raise();
                     wake(cx.shared.inbox.lock(|inbox| inbox.accept(&received)));
                 }
             }
@@ -250,6 +250,12 @@ mod app {
                 cx.local.control.run(&mut ControlShared { outbox, outcomes, findings, status, estimated: *estimated })
             },
         );
+        if woken.acknowledged {
+            halt::acknowledge();
+        }
+        if let Some(words) = &woken.lockout {
+            crash_memory::write_lockout(words);
+        }
         for (is_woken, vector) in [(woken.transmit, TRANSMIT), (woken.estimate, ESTIMATE), (woken.settings, SETTINGS)] {
             if is_woken {
                 rtic::pend(vector);
@@ -301,7 +307,7 @@ mod app {
         let foreign = cx.local.link.counters().foreign;
         while let Some(byte) = cx.local.host_receiver.read() {
             if let Some(received) = cx.local.link.push::<ToBoard>(byte) {
-                PHASE.hear_host();
+                PHASE.host_heard.raise();
                 wake(cx.shared.inbox.lock(|inbox| inbox.accept(&received)));
             }
         }
@@ -309,7 +315,7 @@ mod app {
             && cx.local.link.counters().foreign != foreign
         {
             // Any frame of ours shows such a host our version.
-            TELEMETRY_REQUESTS.ask_identity();
+            TELEMETRY_REQUESTS.identity.raise();
             rtic::pend(TRANSMIT);
             defmt::warn!(
                 "the host speaks version {=u8} of the wire protocol, this board {=u8}",
@@ -326,7 +332,7 @@ mod app {
     fn bench(mut cx: bench::Context) {
         while let Some(byte) = board::read_bench_byte() {
             if let Some(received) = cx.local.bench.push::<ToBoard>(byte) {
-                PHASE.hear_host();
+                PHASE.host_heard.raise();
                 wake(cx.shared.inbox.lock(|inbox| inbox.accept(&received)));
             }
         }
@@ -341,9 +347,9 @@ mod app {
             CHECK_INS.check_in(Member::Transmit);
         }
         while host_transmitter.is_free() {
-            let mut number = || sequence.next(cx.shared.outbox.lock(|outbox| outbox.unsent()));
-            if TELEMETRY_REQUESTS.take_identity() {
-                if PHASE.is_acknowledged() {
+            let mut number = || sequence.next(cx.shared.outbox.lock(|outbox| outbox.unsent));
+            if TELEMETRY_REQUESTS.identity.take() {
+                if PHASE.acknowledged.is_raised() {
                     identity.crash = None;
                 }
                 transmit_one(host_transmitter, number(), &FromBoard::Identity(identity.clone()));
@@ -379,7 +385,7 @@ mod app {
         let serve_settings::LocalResources { loader, jobs, answers, .. } = cx.local;
         loop {
             CHECK_INS.check_in(Member::Settings);
-            if PHASE.take_set_up() {
+            if PHASE.set_up_due.take() {
                 set_up(loader);
             }
             if PHASE.lock.try_take() {
@@ -395,7 +401,7 @@ mod app {
                 }
                 let answer = loader.server.answer(to, &request);
                 resume();
-                let left_undone = request == SettingsRequest::Load && !PHASE.is_set_up();
+                let left_undone = request == SettingsRequest::Load && !PHASE.set_up.is_raised();
                 if left_undone { SettingsAnswer { to, result: Err(SettingsRefusal::NotInStandby) } } else { answer }
             } else {
                 SettingsAnswer { to, result: Err(SettingsRefusal::NotInStandby) }
@@ -408,7 +414,7 @@ mod app {
 
     fn set_up(loader: &mut SettingsLoader) {
         let done = loader.set_up(&PHASE.lock, &TELEMETRY_REQUESTS, || rtic::pend(CONTROL));
-        PHASE.set_up(done);
+        PHASE.set_up.set(done);
         resume();
     }
 
@@ -423,12 +429,12 @@ mod app {
     /// resets the board.
     #[task(binds = SysTick, priority = 3, local = [health], shared = [status, host_counters, inbox, outbox, control_status, wind])]
     fn health(mut cx: health::Context) {
-        if cx.local.health.beat(INTERLOCK.is_cut()) {
+        if cx.local.health.beat(INTERLOCK.cut.is_raised()) {
             let status = wire::Status {
                 uptime_s: cx.local.health.uptime_s(),
                 link: cx.shared.host_counters.lock(|counters| *counters),
                 refused: cx.shared.inbox.lock(|inbox| inbox.refused),
-                unsent: cx.shared.outbox.lock(|outbox| outbox.unsent()),
+                unsent: cx.shared.outbox.lock(|outbox| outbox.unsent),
                 deadlines: INTERLOCK.deadlines(),
                 control: cx.shared.control_status.lock(|status| status.clone()),
             };
@@ -441,11 +447,7 @@ mod app {
         if board::is_supply_low() {
             rtic::pend(Interrupt::PVD);
         }
-        rtic::pend(CONTROL);
-        rtic::pend(RECEIVE);
-        rtic::pend(TRANSMIT);
-        rtic::pend(ESTIMATE);
-        rtic::pend(SETTINGS);
+        [CONTROL, RECEIVE, TRANSMIT, ESTIMATE, SETTINGS].into_iter().for_each(rtic::pend);
     }
 
     /// Half of the sensor board's receive buffer is full, and the host is still speaking. Priority

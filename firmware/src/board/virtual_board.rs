@@ -26,11 +26,10 @@ pub use settings_flash::FileFlash as SettingsFlash;
 use settings_flash::FileFlash;
 
 use super::parts::BoardParts;
-use crate::{crash_memory, halt};
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use cortex_m_semihosting::{nr, syscall};
 use dr_core::ConfigError;
-use dr_core::control::{Cause, HardwareLimits, Heaters, LockoutWords, Tick};
+use dr_core::control::{Cause, HardwareLimits, Heaters, Tick};
 use dr_core::sensor::{FrontEndInput, Reading};
 use dr_core::{Decider, Digest};
 use firmware::control_loop::ControlBoard;
@@ -276,15 +275,6 @@ impl ControlBoard<ELEMENTS> for LinkFrontEnd {
         None
     }
 
-    /// The host counts what is lost on its link.
-    fn lost_conversions(&self) -> u32 {
-        0
-    }
-
-    fn edge_to_pins_us(&self) -> u32 {
-        0
-    }
-
     fn decided(&mut self, decider: &Decider<ELEMENTS>, tick: &Tick<ELEMENTS>) {
         decider.controller().digest(tick, &mut self.digest);
     }
@@ -298,14 +288,6 @@ impl ControlBoard<ELEMENTS> for LinkFrontEnd {
         let estimated = estimated?;
         let to = self.replying_to.take()?;
         self.reply_levels(to, estimated)
-    }
-
-    fn keep_lockout(&mut self, words: &LockoutWords) {
-        crash_memory::write_lockout(words);
-    }
-
-    fn acknowledge_crash(&mut self) {
-        halt::acknowledge();
     }
 }
 

@@ -62,18 +62,10 @@ impl ControlBoard<1> for MockBoard<'_> {
     fn take_fault(&mut self) -> Option<Cause> {
         None
     }
-    fn lost_conversions(&self) -> u32 {
-        0
-    }
-    fn edge_to_pins_us(&self) -> u32 {
-        0
-    }
     fn reply(&mut self, estimated: Option<(Digest, bool)>) -> Option<FromBoard> {
         self.drained.push(estimated.is_some());
         None
     }
-    fn keep_lockout(&mut self, _: &LockoutWords) {}
-    fn acknowledge_crash(&mut self) {}
 }
 
 /// What a test has in its hands.

@@ -32,9 +32,8 @@ use super::heater_pin::HeaterPin;
 use super::heaters_low;
 use super::settings_flash;
 use super::stopwatch::{COUNTS_PER_US, counts};
-use crate::{crash_memory, halt};
 use dr_core::ConfigError;
-use dr_core::control::{Cause, LockoutWords, Tick};
+use dr_core::control::{Cause, Tick};
 use dr_core::sensor::reading::REFERENCE_CODE;
 use dr_core::sensor::{FrontEndInput, Reading};
 use embedded_hal::spi::MODE_1;
@@ -50,6 +49,7 @@ use stm32f4xx_hal::pac::{EXTI, SPI1, SYSCFG};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::spi::Spi;
+use wire::ControlStatus;
 
 /// One a channel of its ADC.
 pub const ELEMENTS: usize = ads131e06::CHANNELS;
@@ -66,7 +66,7 @@ const FRAMES_A_CHECK: u32 = 250;
 
 /// Six pins of port C.
 pub type HeaterPort = HeaterPins<HeaterPin, ELEMENTS>;
-type AdcDriver = Ads131e06<ExclusiveDevice<Spi<SPI1>, PA4<Output>, CycleDelay>, PB0<Output>>;
+type AdcDriver = Ads131e06<ExclusiveDevice<Spi<SPI1>, PA4<Output>, CycleDelay>, PB0<Output>, CycleDelay>;
 
 /// Where the ADC is connected.
 pub struct AdcPins {
@@ -143,9 +143,9 @@ impl AdcFrontEnd {
         let bus = Spi::new(spi, (Some(clock), Some(pins.data_in), Some(data_out)), MODE_1, 10_500.kHz(), rcc);
         let device =
             ExclusiveDevice::new(bus, pins.select, CycleDelay).expect("writing a pin of this processor cannot fail");
-        let mut adc = Ads131e06::new(device, pins.reset);
+        let mut adc = Ads131e06::new(device, pins.reset, CycleDelay);
         let mut line = pins.data_ready;
-        let usable = match adc.initialise(plan.rate(), &mut line, &mut CycleDelay) {
+        let usable = match adc.initialise(plan.rate(), &mut line) {
             Ok(()) => true,
             Err(error) => {
                 defmt::error!("all readings are missing, the ADC did not start: {}", error);
@@ -229,7 +229,7 @@ impl AdcFrontEnd {
 
 impl ControlBoard<ELEMENTS> for AdcFrontEnd {
     fn poll(&mut self) -> Option<[Reading; ELEMENTS]> {
-        if settings_flash::take_erase() {
+        if settings_flash::HAS_ERASED.take() {
             self.resume();
         }
         loop {
@@ -268,7 +268,7 @@ impl ControlBoard<ELEMENTS> for AdcFrontEnd {
                 && self.data_ready.leaves(counts(), (FRAME_US + ads131e06::VERIFY_US) * COUNTS_PER_US)
             {
                 self.unchecked = 0;
-                self.fault = self.adc.verify(&mut CycleDelay).err().map(|_| Cause::AdcRegister);
+                self.fault = self.adc.verify().err().map(|_| Cause::AdcRegister);
                 // What was converted meanwhile is no frame: it was not streamed.
                 self.torn |= self.line.check_interrupt();
             }
@@ -318,7 +318,7 @@ impl ControlBoard<ELEMENTS> for AdcFrontEnd {
         self.input = input;
         // A converter that has not accepted it is set again after the next tick; its readings are
         // missing until then.
-        self.connected = self.adc.select(connect, &mut CycleDelay).ok().map(|()| input);
+        self.connected = self.adc.select(connect).ok().map(|()| input);
         self.rate = self.connected.map(|_| self.plan.rate());
         // An edge of what was read before.
         self.clear_edge();
@@ -342,7 +342,7 @@ impl ControlBoard<ELEMENTS> for AdcFrontEnd {
         let plan = TickPlan::from_seconds(sample_period_s)?;
         // An ADC that keeps its rate keeps the times of its conversions.
         if self.rate != Some(plan.rate()) {
-            let taken = self.usable && self.adc.set_rate(plan.rate(), &mut CycleDelay).is_ok();
+            let taken = self.usable && self.adc.set_rate(plan.rate()).is_ok();
             self.rate = (taken && self.connected.is_some()).then_some(plan.rate());
             // An edge of the old rate.
             self.clear_edge();
@@ -361,28 +361,17 @@ impl ControlBoard<ELEMENTS> for AdcFrontEnd {
         core::mem::take(&mut self.overran) || self.line.check_interrupt()
     }
 
-    fn lost_conversions(&self) -> u32 {
-        self.lost
-    }
-
     fn take_fault(&mut self) -> Option<Cause> {
         self.fault.take()
     }
 
-    fn edge_to_pins_us(&self) -> u32 {
-        self.edge_to_pins / COUNTS_PER_US
+    fn report(&self, status: &mut ControlStatus) {
+        status.lost_conversions = self.lost;
+        status.edge_to_pins_us = self.edge_to_pins / COUNTS_PER_US;
     }
 
     fn heaters_low(&mut self) {
         heaters_low();
-    }
-
-    fn keep_lockout(&mut self, words: &LockoutWords) {
-        crash_memory::write_lockout(words);
-    }
-
-    fn acknowledge_crash(&mut self) {
-        halt::acknowledge();
     }
 }
 

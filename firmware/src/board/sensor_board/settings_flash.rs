@@ -11,7 +11,7 @@
 //!   sheet, words). Any access to the flash waits meanwhile, fetching code from it too: **the
 //!   processor stands still**. The heaters are low then (settings are written in standby only, and
 //!   nothing starts meanwhile), and the watchdog is given time before. Conversions that come
-//!   meanwhile are lost: the front end is told ([`take_erase`]), counts them and makes no tick of
+//!   meanwhile are lost: the front end is told ([`HAS_ERASED`]), counts them and makes no tick of
 //!   them, so that the guard judges none of our own making.
 //! - **Caches**: an erase does not reach lines that the data cache holds of the sector, so it is
 //!   reset afterwards, for which it has to be off.
@@ -22,11 +22,11 @@
 use super::clocks::{CYCLES_PER_US, cycles};
 use super::watchdog;
 use crate::vitals::CHECK_INS;
-use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
 use firmware::check_ins::Member;
+use firmware::flag::Flag;
 use stm32f4xx_hal::pac::FLASH;
 
 const START: usize = 0x0800_4000;
@@ -43,17 +43,8 @@ const ERRORS: u32 = 0b1111_0010;
 const LONGEST_ERASE_US: u32 = 1_000_000;
 const LONGEST_WRITE_US: u32 = 1_000;
 
-/// An erase has begun since the front end last asked.
-static HAS_ERASED: AtomicBool = AtomicBool::new(false);
-
-/// Returns true once after an erase has stopped the processor; for the front end.
-pub fn take_erase() -> bool {
-    let has_erased = HAS_ERASED.load(Relaxed);
-    if has_erased {
-        HAS_ERASED.store(false, Relaxed);
-    }
-    has_erased
-}
+/// An erase has stopped the processor since the front end last asked.
+pub static HAS_ERASED: Flag = Flag::new(false);
 
 /// The three sectors.
 pub struct SectorFlash(FLASH);
@@ -117,7 +108,7 @@ impl SectorFlash {
         self.0.cr().modify(|_, w| unsafe { w.psize().psize32().snb().bits(number).pg().clear_bit().ser().set_bit() });
         // Nobody may take the note before the processor stands still.
         cortex_m::interrupt::free(|_| {
-            HAS_ERASED.store(true, Relaxed);
+            HAS_ERASED.raise();
             self.0.cr().modify(|_, w| w.strt().set_bit());
         });
         self.wait(LONGEST_ERASE_US)?;
