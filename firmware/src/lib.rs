@@ -18,6 +18,14 @@ pub mod estimates;
 pub mod flag;
 pub mod inbox;
 pub mod interlock;
+/// Processors: the parts that need no hardware.
+pub mod mcu {
+    /// STM32F405.
+    pub mod stm32f4 {
+        pub mod circle;
+        pub mod reset_flags;
+    }
+}
 pub mod outbox;
 pub mod phase;
 pub mod proof;

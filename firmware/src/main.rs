@@ -17,23 +17,24 @@
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable)]
 
 mod board;
-mod crash_memory;
 mod fault_entry;
 mod halt;
+mod mcu;
 mod settings_loader;
 #[cfg(feature = "virtual-board")]
 mod stack;
-mod ticking;
 mod vitals;
 
 use defmt as _;
 
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [])]
 mod app {
+    use super::board::table::{CONTROL, DEAD_MAN, ESTIMATE, RECEIVE, SETTINGS, TRANSMIT};
     use super::board::{self, ELEMENTS, FrontEnd, HostReceiver, HostTransmitter, Idler};
+    use super::halt;
+    use super::mcu::ticking;
     use super::settings_loader::SettingsLoader;
     use super::vitals::{self, CHECK_INS, Health, LoggedWind};
-    use super::{crash_memory, halt, ticking};
     #[cfg(feature = "sensor-board")]
     use dr_core::control::Cause;
     use dr_core::{Command, Digest};
@@ -47,29 +48,12 @@ mod app {
     use firmware::queue;
     use firmware::settings::{PendingFindings, SettingsServer};
     use heapless::spsc::{Consumer, Producer, Queue};
+    #[cfg(feature = "sensor-board")]
     use stm32f4xx_hal::pac::Interrupt;
     use wire::{
         ControlStatus, FromBoard, LinkCounters, MAX_FRAME, Receiver, SettingsAnswer, SettingsRefusal, SettingsRequest,
         ToBoard, encode,
     };
-
-    /// The vector of `control`. On the sensor board the ADC's data-ready line raises it.
-    const CONTROL: Interrupt = Interrupt::EXTI4;
-    /// The vector of `receive`.
-    const RECEIVE: Interrupt = Interrupt::USART2;
-    /// The vector of `transmit`: of a peripheral that no board uses, raised by software alone.
-    ///
-    /// An asynchronous task would be spawned by name. But it is compiled into a machine that panics
-    /// when it is polled behind its end, which RTIC's executor does not do and the compiler cannot
-    /// see.
-    const TRANSMIT: Interrupt = Interrupt::SPI3;
-    /// The vector of `estimate`, of a peripheral that no board uses either.
-    const ESTIMATE: Interrupt = Interrupt::UART5;
-    /// The vector of `serve_settings`, likewise.
-    const SETTINGS: Interrupt = Interrupt::SPI2;
-
-    /// The vector of the dead-man timer. On the sensor board the timer raises it.
-    const DEAD_MAN: Interrupt = Interrupt::TIM5;
 
     /// Messages to the host that may wait; at 1 kHz and 921 600 baud the link needs 0.7 ms for a
     /// sample.
@@ -171,7 +155,13 @@ mod app {
             Local {
                 control: ControlLoop::new(&board::HARDWARE_LIMITS, lockout, parts.front_end, links),
                 estimator: EstimateLoop::new(estimates, &TELEMETRY_REQUESTS),
-                loader: SettingsLoader::new(SettingsServer::new(parts.settings), order_in, outcomes),
+                loader: SettingsLoader::new(
+                    SettingsServer::new(parts.settings),
+                    order_in,
+                    outcomes,
+                    &PHASE.lock,
+                    &TELEMETRY_REQUESTS,
+                ),
                 jobs,
                 answers: answer_in,
                 answered,
@@ -254,7 +244,7 @@ mod app {
             halt::acknowledge();
         }
         if let Some(words) = &woken.lockout {
-            crash_memory::write_lockout(words);
+            halt::write_lockout(words);
         }
         for (is_woken, vector) in [(woken.transmit, TRANSMIT), (woken.estimate, ESTIMATE), (woken.settings, SETTINGS)] {
             if is_woken {
@@ -395,26 +385,25 @@ mod app {
                 resume();
             }
             let Some((to, request)) = jobs.dequeue() else { break };
-            let answer = if PHASE.lock.try_take() {
-                if request == SettingsRequest::Load {
+            let mut result = Err(SettingsRefusal::NotInStandby);
+            if PHASE.lock.try_take() {
+                let is_load = request == SettingsRequest::Load;
+                if is_load {
                     set_up(loader);
                 }
-                let answer = loader.server.answer(to, &request);
+                if !is_load || PHASE.set_up.is_raised() {
+                    result = loader.server.answer(&request);
+                }
                 resume();
-                let left_undone = request == SettingsRequest::Load && !PHASE.set_up.is_raised();
-                if left_undone { SettingsAnswer { to, result: Err(SettingsRefusal::NotInStandby) } } else { answer }
-            } else {
-                SettingsAnswer { to, result: Err(SettingsRefusal::NotInStandby) }
-            };
+            }
             // A host that does not wait for replies loses some of them.
-            queue::put(answers, answer).ok();
+            queue::put(answers, SettingsAnswer { to, result }).ok();
             rtic::pend(TRANSMIT);
         }
     }
 
     fn set_up(loader: &mut SettingsLoader) {
-        let done = loader.set_up(&PHASE.lock, &TELEMETRY_REQUESTS, || rtic::pend(CONTROL));
-        PHASE.set_up.set(done);
+        PHASE.set_up.set(loader.set_up());
         resume();
     }
 

@@ -2,7 +2,7 @@
 //! messages.
 
 use crate::board::{self, Watchdog};
-use crate::ticking::BEATS_PER_SECOND;
+use crate::mcu::ticking::BEATS_PER_SECOND;
 use dr_core::control::RunState;
 use dr_core::wind::{QualityFlags, WindTick};
 use firmware::azimuth::azimuth_deg;

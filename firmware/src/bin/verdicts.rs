@@ -10,11 +10,11 @@
 #![no_main]
 
 #[allow(dead_code, reason = "only the frequency is used here")]
-#[path = "../board/sensor_board/clocks.rs"]
+#[path = "../mcu/stm32f4/clocks.rs"]
 mod clocks;
-#[path = "../board/sensor_board/memory_protection.rs"]
+#[path = "../mcu/stm32f4/memory_protection.rs"]
 mod memory_protection;
-#[path = "../ticking.rs"]
+#[path = "../mcu/ticking.rs"]
 mod ticking;
 
 use core::arch::naked_asm;

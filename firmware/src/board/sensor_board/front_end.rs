@@ -26,12 +26,11 @@
 //! bytes: in every conversion period of 250 µs, and 200 µs is what the decision may take
 //! (`docs/reference/board.md`, "One tick").
 
-use super::clocks::CycleDelay;
-use super::dead_man::DeadManTimer;
-use super::heater_pin::HeaterPin;
 use super::heaters_low;
-use super::settings_flash;
-use super::stopwatch::{COUNTS_PER_US, counts};
+use super::table::{ADC_CLOCK_KHZ, DataReadyPin, ELEMENTS, FIRST_PERIOD_US, HeaterPin, ResetPin, SelectPin};
+use crate::mcu::stm32f4::clocks::{COUNTS_PER_US, CycleDelay, counts};
+use crate::mcu::stm32f4::dead_man::DeadManTimer;
+use crate::mcu::stm32f4::flash;
 use dr_core::ConfigError;
 use dr_core::control::{Cause, Tick};
 use dr_core::sensor::reading::REFERENCE_CODE;
@@ -44,19 +43,12 @@ use firmware::drivers::data_ready::{DataReady, Due};
 use firmware::drivers::heater_pins::HeaterPins;
 use firmware::drivers::settled_mean::SettledMean;
 use firmware::drivers::tick_plan::{DataRate, TickPlan};
-use stm32f4xx_hal::gpio::{self, Edge, Output, PA4, PA5, PA6, PA7, PB0, PB4, Speed};
+use stm32f4xx_hal::gpio::{Edge, PA5, PA6, PA7, Speed};
 use stm32f4xx_hal::pac::{EXTI, SPI1, SYSCFG};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::spi::Spi;
 use wire::ControlStatus;
-
-/// One a channel of its ADC.
-pub const ELEMENTS: usize = ads131e06::CHANNELS;
-/// The heater pins in their port: PC0 … PC5.
-pub const HEATER_MASK: u32 = (1 << ELEMENTS) - 1;
-/// Until the host sets one.
-pub const FIRST_PERIOD_US: u32 = 10_000;
 
 /// A frame, 20, and by how much [`DataReady`] may be wrong about its begin: 4 for each conversion
 /// that is served late one after the other, as while a model is taken in.
@@ -64,31 +56,25 @@ const FRAME_US: u32 = 60;
 /// Frames from one read-back of the ADC's registers to the next.
 const FRAMES_A_CHECK: u32 = 250;
 
-/// Six pins of port C.
-pub type HeaterPort = HeaterPins<HeaterPin, ELEMENTS>;
-type AdcDriver = Ads131e06<ExclusiveDevice<Spi<SPI1>, PA4<Output>, CycleDelay>, PB0<Output>, CycleDelay>;
+type AdcDriver = Ads131e06<ExclusiveDevice<Spi<SPI1>, SelectPin, CycleDelay>, ResetPin, CycleDelay>;
 
 /// Where the ADC is connected.
 pub struct AdcPins {
     /// Chip select, high.
-    pub select: PA4<Output>,
-    /// SCK.
-    pub clock: PA5,
-    /// MISO.
-    pub data_in: PA6,
-    /// MOSI.
-    pub data_out: PA7,
+    pub select: SelectPin,
+    /// SCK, MISO, MOSI.
+    pub bus: (PA5, PA6, PA7),
     /// Falls when a conversion is ready.
-    pub data_ready: PB4<gpio::Input>,
+    pub data_ready: DataReadyPin,
     /// Low resets; high.
-    pub reset: PB0<Output>,
+    pub reset: ResetPin,
 }
 
 /// Readings of a tick, and levels for the next.
 pub struct AdcFrontEnd {
     adc: AdcDriver,
-    line: PB4<gpio::Input>,
-    heaters: HeaterPort,
+    line: DataReadyPin,
+    heaters: HeaterPins<HeaterPin, ELEMENTS>,
     dead_man: DeadManTimer,
     /// Some heater has been set to the high level.
     any_high: bool,
@@ -131,16 +117,17 @@ impl AdcFrontEnd {
         pins: AdcPins,
         mut exti: EXTI,
         syscfg: SYSCFG,
-        heaters: HeaterPort,
+        heaters: HeaterPins<HeaterPin, ELEMENTS>,
         dead_man: DeadManTimer,
         rcc: &mut Rcc,
     ) -> Self {
         let plan = TickPlan::new(FIRST_PERIOD_US).expect("10 ms are 40 conversions");
         // High, since the bus takes its clock back from the pin: with a slower one at 84 MHz the last
         // bit of a byte may be that of the byte before (ES0182, 2.12.4).
-        let clock = pins.clock.into_alternate().speed(Speed::High);
-        let data_out = pins.data_out.into_alternate().speed(Speed::Medium);
-        let bus = Spi::new(spi, (Some(clock), Some(pins.data_in), Some(data_out)), MODE_1, 10_500.kHz(), rcc);
+        let (clock, data_in, data_out) = pins.bus;
+        let clock = clock.into_alternate().speed(Speed::High);
+        let data_out = data_out.into_alternate().speed(Speed::Medium);
+        let bus = Spi::new(spi, (Some(clock), Some(data_in), Some(data_out)), MODE_1, ADC_CLOCK_KHZ.kHz(), rcc);
         let device =
             ExclusiveDevice::new(bus, pins.select, CycleDelay).expect("writing a pin of this processor cannot fail");
         let mut adc = Ads131e06::new(device, pins.reset, CycleDelay);
@@ -229,7 +216,7 @@ impl AdcFrontEnd {
 
 impl ControlBoard<ELEMENTS> for AdcFrontEnd {
     fn poll(&mut self) -> Option<[Reading; ELEMENTS]> {
-        if settings_flash::HAS_ERASED.take() {
+        if flash::HAS_ERASED.take() {
             self.resume();
         }
         loop {

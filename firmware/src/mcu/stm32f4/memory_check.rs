@@ -1,6 +1,6 @@
 //! Proof tests in the background: what is left of 20 beats of SysTick a second, in the idle task.
 //!
-//! - **Clock**: once a second, for 0.5 ms ([`clock_check`]).
+//! - **Clock**: once a second, for 0.5 ms ([`dead_man::is_clock_right`]).
 //! - **Flash**: 1 KiB of the image a beat ([`FlashCheck`]), 20 KiB a second; all tasks go before
 //!   it. An image of 240 KiB is through in 12 s.
 //! - **RAM**: 16 blocks of 16 bytes a beat, all 128 KiB in 25.6 s. Each block is marched with
@@ -17,8 +17,7 @@
 //! tested, the stack under this very function, too: the march is one piece of assembly that uses
 //! registers only. NMI and hard fault alone can come in between, and never return.
 
-use super::clock_check;
-use super::host_link;
+use super::{dead_man, dma_link};
 use core::arch::asm;
 use core::ops::Range;
 use core::slice;
@@ -71,9 +70,9 @@ impl BackgroundChecks {
         if !flash.has_checksum() {
             defmt::warn!("the image has no checksum: only what changes from now on is found");
         }
-        clock_check::start();
+        dead_man::start_captures();
         let log = &raw const _SEGGER_RTT as u32;
-        let [sent, received] = host_link::buffers();
+        let [sent, received] = dma_link::buffers();
         Self { flash, ram: RamWalk::new(RAM, [sent, received, log..log + RTT_HEAD]), beat: 0 }
     }
 
@@ -89,7 +88,7 @@ impl BackgroundChecks {
             return Some(Cause::ProofTest);
         }
         self.beat = (self.beat + 1) % BEATS_A_SECOND;
-        if self.beat == 0 && !clock_check::is_clock_right() {
+        if self.beat == 0 && !dead_man::is_clock_right() {
             return Some(Cause::Clock);
         }
         let mut is_well = self.flash.step();
@@ -98,6 +97,38 @@ impl BackgroundChecks {
         }
         (!is_well).then_some(Cause::Memory)
     }
+}
+
+/// A step of the march at one word: reads it and adds to `ones` what of its complement is there,
+/// then writes the contents.
+macro_rules! back {
+    ($word:literal, $at:literal) => {
+        concat!(
+            "ldr {t}, [{a}, #",
+            $at,
+            "]\n eor {t}, {",
+            $word,
+            "}\n and {ones}, {t}\n str {",
+            $word,
+            "}, [{a}, #",
+            $at,
+            "]"
+        )
+    };
+}
+
+/// Reads it and adds to `zeros` what of it is not the contents.
+macro_rules! check {
+    ($word:literal, $at:literal) => {
+        concat!("ldr {t}, [{a}, #", $at, "]\n eor {t}, {", $word, "}\n orr {zeros}, {t}")
+    };
+}
+
+/// Writes the complement.
+macro_rules! invert {
+    ($word:literal, $at:literal) => {
+        concat!("mvn {t}, {", $word, "}\n str {t}, [{a}, #", $at, "]")
+    };
 }
 
 /// Marches the four words from here on; true if they hold what is written into them.
@@ -114,30 +145,16 @@ fn march(block: u32) -> bool {
             "ldr {v2}, [{a}, #8]",
             "ldr {v3}, [{a}, #12]",
             // Up: their complements.
-            "mvn {t}, {v0}", "str {t}, [{a}]",
-            "mvn {t}, {v1}", "str {t}, [{a}, #4]",
-            "mvn {t}, {v2}", "str {t}, [{a}, #8]",
-            "mvn {t}, {v3}", "str {t}, [{a}, #12]",
+            invert!("v0", 0), invert!("v1", 4), invert!("v2", 8), invert!("v3", 12),
             // Up: complements are there, then the contents.
-            "ldr {t}, [{a}]", "eor {t}, {v0}", "and {ones}, {t}", "str {v0}, [{a}]",
-            "ldr {t}, [{a}, #4]", "eor {t}, {v1}", "and {ones}, {t}", "str {v1}, [{a}, #4]",
-            "ldr {t}, [{a}, #8]", "eor {t}, {v2}", "and {ones}, {t}", "str {v2}, [{a}, #8]",
-            "ldr {t}, [{a}, #12]", "eor {t}, {v3}", "and {ones}, {t}", "str {v3}, [{a}, #12]",
+            back!("v0", 0), back!("v1", 4), back!("v2", 8), back!("v3", 12),
             // Down: contents are there, then their complements.
-            "ldr {t}, [{a}, #12]", "eor {t}, {v3}", "orr {zeros}, {t}", "mvn {t}, {v3}", "str {t}, [{a}, #12]",
-            "ldr {t}, [{a}, #8]", "eor {t}, {v2}", "orr {zeros}, {t}", "mvn {t}, {v2}", "str {t}, [{a}, #8]",
-            "ldr {t}, [{a}, #4]", "eor {t}, {v1}", "orr {zeros}, {t}", "mvn {t}, {v1}", "str {t}, [{a}, #4]",
-            "ldr {t}, [{a}]", "eor {t}, {v0}", "orr {zeros}, {t}", "mvn {t}, {v0}", "str {t}, [{a}]",
+            check!("v3", 12), invert!("v3", 12), check!("v2", 8), invert!("v2", 8),
+            check!("v1", 4), invert!("v1", 4), check!("v0", 0), invert!("v0", 0),
             // Down: complements are there, then the contents.
-            "ldr {t}, [{a}, #12]", "eor {t}, {v3}", "and {ones}, {t}", "str {v3}, [{a}, #12]",
-            "ldr {t}, [{a}, #8]", "eor {t}, {v2}", "and {ones}, {t}", "str {v2}, [{a}, #8]",
-            "ldr {t}, [{a}, #4]", "eor {t}, {v1}", "and {ones}, {t}", "str {v1}, [{a}, #4]",
-            "ldr {t}, [{a}]", "eor {t}, {v0}", "and {ones}, {t}", "str {v0}, [{a}]",
+            back!("v3", 12), back!("v2", 8), back!("v1", 4), back!("v0", 0),
             // Down: contents are there.
-            "ldr {t}, [{a}, #12]", "eor {t}, {v3}", "orr {zeros}, {t}",
-            "ldr {t}, [{a}, #8]", "eor {t}, {v2}", "orr {zeros}, {t}",
-            "ldr {t}, [{a}, #4]", "eor {t}, {v1}", "orr {zeros}, {t}",
-            "ldr {t}, [{a}]", "eor {t}, {v0}", "orr {zeros}, {t}",
+            check!("v3", 12), check!("v2", 8), check!("v1", 4), check!("v0", 0),
             "msr PRIMASK, {mask}",
             a = in(reg) block,
             mask = out(reg) _,

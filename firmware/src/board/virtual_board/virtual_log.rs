@@ -4,10 +4,11 @@
 //! still come between is a fault or a panic, and neither comes back: it begins a word of its own,
 //! and the decoder drops the broken one.
 
+use crate::mcu::semihosting::File;
 use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 use cortex_m::{interrupt, register::primask};
-use cortex_m_semihosting::{nr, syscall};
+use cortex_m_semihosting::nr;
 
 #[defmt::global_logger]
 struct Log;
@@ -34,10 +35,8 @@ unsafe impl defmt::Logger for Log {
         interrupt::disable();
         WERE_ON.store(were_on, Relaxed);
         if FILE.load(Relaxed) == CLOSED {
-            let name = c":tt";
-            // SAFETY: SYS_OPEN reads a zero-terminated name of the given length; this one is the
-            // standard output.
-            FILE.store(unsafe { syscall!(OPEN, name.as_ptr(), nr::open::W_TRUNC, name.count_bytes()) }, Relaxed);
+            // The standard output.
+            FILE.store(File::open(c":tt", nr::open::W_TRUNC).map_or(CLOSED, |file| file.0), Relaxed);
         }
         // SAFETY: interrupts are off.
         unsafe { (*ENCODER.0.get()).start_frame(write) };
@@ -61,6 +60,5 @@ unsafe impl defmt::Logger for Log {
 }
 
 fn write(bytes: &[u8]) {
-    // SAFETY: SYS_WRITE reads `len` bytes.
-    unsafe { syscall!(WRITE, FILE.load(Relaxed), bytes.as_ptr(), bytes.len()) };
+    File(FILE.load(Relaxed)).write(bytes);
 }
