@@ -29,7 +29,7 @@ pub struct Interlock {
 
 impl Interlock {
     /// No reason.
-    pub const fn new() -> Self {
+    pub const fn released() -> Self {
         Self {
             trip: AtomicU32::new(0),
             expired: Flag::new(false),
@@ -104,19 +104,13 @@ impl Interlock {
     }
 }
 
-impl Default for Interlock {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn a_trip_is_handed_over_once_and_a_flipped_bit_makes_it_another() {
-        let interlock = Interlock::new();
+        let interlock = Interlock::released();
         assert_eq!((interlock.take_trip(), interlock.forbids()), (None, false));
         for cause in [Cause::Panic, Cause::Fault, Cause::Watchdog, Cause::BrownOut, Cause::Memory, Cause::BitFlip] {
             interlock.trip(cause);
@@ -125,14 +119,14 @@ mod tests {
             assert!(!interlock.forbids());
         }
         for bit in 0..32 {
-            let flipped = Interlock { trip: AtomicU32::new(1 << bit), ..Interlock::new() };
+            let flipped = Interlock { trip: AtomicU32::new(1 << bit), ..Interlock::released() };
             assert!(flipped.take_trip().is_some() && flipped.take_trip().is_none());
         }
     }
 
     #[test]
     fn an_expired_timer_forbids_until_it_is_taken_and_counts_but_for_proofs() {
-        let interlock = Interlock::new();
+        let interlock = Interlock::released();
         assert!(!interlock.expired.take());
         interlock.expire();
         assert!(interlock.forbids() && !interlock.requests_trip());
@@ -147,7 +141,7 @@ mod tests {
 
     #[test]
     fn a_stop_is_taken_once_and_no_flipped_bit_is_one() {
-        let interlock = Interlock::new();
+        let interlock = Interlock::released();
         assert_eq!(interlock.take_stop(), None);
         for sequence in [0, 1, 0x1234, u16::MAX] {
             interlock.stop(sequence);

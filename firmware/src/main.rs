@@ -35,7 +35,6 @@ mod app {
     use super::mcu::ticking;
     use super::settings_loader::SettingsLoader;
     use super::vitals::{self, CHECK_INS, Health, LoggedWind};
-    #[cfg(feature = "sensor-board")]
     use dr_core::control::Cause;
     use dr_core::{Command, Digest};
     use firmware::check_ins::Member;
@@ -48,8 +47,6 @@ mod app {
     use firmware::queue;
     use firmware::settings::{PendingFindings, SettingsServer};
     use heapless::spsc::{Consumer, Producer, Queue};
-    #[cfg(feature = "sensor-board")]
-    use stm32f4xx_hal::pac::Interrupt;
     use wire::{
         ControlStatus, FromBoard, LinkCounters, MAX_FRAME, Receiver, SettingsAnswer, SettingsRefusal, SettingsRequest,
         ToBoard, encode,
@@ -59,7 +56,7 @@ mod app {
     /// sample.
     const TELEMETRY_SLOTS: usize = 32;
 
-    static INTERLOCK: Interlock = Interlock::new();
+    static INTERLOCK: Interlock = Interlock::released();
     static PHASE: Phase = Phase::starting();
     static TELEMETRY_REQUESTS: TelemetryRequests = TelemetryRequests::starting();
 
@@ -155,13 +152,13 @@ mod app {
             Local {
                 control: ControlLoop::new(&board::HARDWARE_LIMITS, lockout, parts.front_end, links),
                 estimator: EstimateLoop::new(estimates, &TELEMETRY_REQUESTS),
-                loader: SettingsLoader::new(
-                    SettingsServer::new(parts.settings),
-                    order_in,
+                loader: SettingsLoader {
+                    server: SettingsServer::new(parts.settings),
+                    orders: order_in,
                     outcomes,
-                    &PHASE.lock,
-                    &TELEMETRY_REQUESTS,
-                ),
+                    lock: &PHASE.lock,
+                    telemetry: &TELEMETRY_REQUESTS,
+                },
                 jobs,
                 answers: answer_in,
                 answered,
@@ -270,7 +267,7 @@ mod app {
                 cx.shared.wind.lock(|last| *last = Some(LoggedWind::of(wind)));
             }
             if outcome.has_flipped {
-                INTERLOCK.trip(dr_core::control::Cause::BitFlip);
+                INTERLOCK.trip(Cause::BitFlip);
                 rtic::pend(CONTROL);
             }
             if let Some(message) = outcome.to_host {
@@ -420,7 +417,7 @@ mod app {
     fn health(mut cx: health::Context) {
         if cx.local.health.beat(INTERLOCK.cut.is_raised()) {
             let status = wire::Status {
-                uptime_s: cx.local.health.uptime_s(),
+                uptime_s: cx.local.health.uptime_s,
                 link: cx.shared.host_counters.lock(|counters| *counters),
                 refused: cx.shared.inbox.lock(|inbox| inbox.refused),
                 unsent: cx.shared.outbox.lock(|outbox| outbox.unsent),
@@ -434,7 +431,7 @@ mod app {
         }
         #[cfg(feature = "sensor-board")]
         if board::is_supply_low() {
-            rtic::pend(Interrupt::PVD);
+            rtic::pend(board::table::SUPPLY);
         }
         [CONTROL, RECEIVE, TRANSMIT, ESTIMATE, SETTINGS].into_iter().for_each(rtic::pend);
     }

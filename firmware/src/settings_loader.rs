@@ -15,24 +15,17 @@ use wire::{MOST_ELEMENTS, SettingsRefusal};
 pub struct SettingsLoader {
     /// The server of the stored settings.
     pub server: SettingsServer<SettingsFlash>,
-    orders: Producer<'static, Command>,
-    outcomes: Consumer<'static, Outcome>,
-    lock: &'static StandbyLock,
-    telemetry: &'static TelemetryRequests,
+    /// To the control task.
+    pub orders: Producer<'static, Command>,
+    /// Their results.
+    pub outcomes: Consumer<'static, Outcome>,
+    /// Taken while it sets up.
+    pub lock: &'static StandbyLock,
+    /// Samples that the host gets.
+    pub telemetry: &'static TelemetryRequests,
 }
 
 impl SettingsLoader {
-    /// A loader with these queues.
-    pub const fn new(
-        server: SettingsServer<SettingsFlash>,
-        orders: Producer<'static, Command>,
-        outcomes: Consumer<'static, Outcome>,
-        lock: &'static StandbyLock,
-        telemetry: &'static TelemetryRequests,
-    ) -> Self {
-        Self { server, orders, outcomes, lock, telemetry }
-    }
-
     /// Clears the instrument and applies the stored settings, all of them or nothing. The host's
     /// commands wait meanwhile ([`StandbyLock`]). Returns false if the instrument is tripped.
     pub fn set_up(&mut self) -> bool {

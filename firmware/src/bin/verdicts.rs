@@ -14,18 +14,20 @@
 mod clocks;
 #[path = "../mcu/stm32f4/memory_protection.rs"]
 mod memory_protection;
+#[allow(dead_code, reason = "no place of a file is sought here")]
+#[path = "../mcu/semihosting.rs"]
+mod semihosting;
 #[path = "../mcu/ticking.rs"]
 mod ticking;
 
 use core::arch::naked_asm;
-use core::ffi::CStr;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use cortex_m::asm::isb;
 use cortex_m::peripheral::{NVIC, SCB, SYST};
 use cortex_m_rt::{ExceptionFrame, entry, exception};
-use cortex_m_semihosting::debug::{EXIT_SUCCESS, exit};
-use cortex_m_semihosting::{nr, syscall};
+use cortex_m_semihosting::nr;
 use rtic::export::{cortex_logical2hw, lock, run};
+use semihosting::{File, exit};
 use stm32f4xx_hal::pac::{Interrupt, NVIC_PRIO_BITS, interrupt};
 
 // What is tried.
@@ -202,14 +204,12 @@ fn tick(syst: &mut SYST) -> u32 {
 fn main() -> ! {
     // SAFETY: nobody else has them.
     let mut core = unsafe { cortex_m::Peripherals::steal() };
-    // SAFETY: SYS_OPEN reads a name of the given length.
-    let open = |name: &CStr, mode: usize| unsafe { syscall!(OPEN, name.as_ptr(), mode, name.count_bytes()) };
-    let trials = open(c"to-board.fifo", nr::open::R_BINARY);
-    let verdicts = open(c"from-board.fifo", nr::open::W_TRUNC_BINARY);
-    let mut words = [0_u32; 3];
-    // SAFETY: SYS_READ writes at most so many bytes; it gives the number that is missing.
-    while unsafe { syscall!(READ, trials, words.as_mut_ptr(), size_of_val(&words)) } == 0 {
-        let [trial, first, second] = words;
+    let trials = File::open(c"to-board.fifo", nr::open::R_BINARY);
+    let verdicts = File::open(c"from-board.fifo", nr::open::W_TRUNC_BINARY);
+    let (Some(trials), Some(verdicts)) = (trials, verdicts) else { exit(1) };
+    let mut words = [[0; 4]; 3];
+    while trials.read(words.as_flattened_mut()) == size_of_val(&words) {
+        let [trial, first, second] = words.map(u32::from_le_bytes);
         [&ORDER, &FLOATS].into_iter().chain(&FAULT).for_each(|word| word.store(0, Relaxed));
         // SAFETY: a fault ends the function that is called, and what is stored was there before or
         // is put back.
@@ -260,18 +260,13 @@ fn main() -> ! {
         };
         let [value, other] = values;
         let [status, hard, memory, bus, place] = FAULT.each_ref().map(|word| word.load(Relaxed));
-        let verdict = [value, other, status, hard, memory, bus, place];
-        // SAFETY: SYS_WRITE reads so many bytes.
-        unsafe { syscall!(WRITE, verdicts, verdict.as_ptr(), size_of_val(&verdict)) };
+        let verdict = [value, other, status, hard, memory, bus, place].map(u32::to_le_bytes);
+        verdicts.write(verdict.as_flattened());
     }
-    loop {
-        exit(EXIT_SUCCESS);
-    }
+    exit(0)
 }
 
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo) -> ! {
-    loop {
-        exit(cortex_m_semihosting::debug::EXIT_FAILURE);
-    }
+    exit(1)
 }

@@ -129,9 +129,10 @@ impl<SPI: SpiDevice, RST: OutputPin, D: DelayNs> Ads131e06<SPI, RST, D> {
         self.reset().map_err(|_| AdcError::ResetPin)?;
         // After a reset the chip sends data of its own accord, and would take no register command.
         self.command(command::SDATAC)?;
-        let identity = self.read_register(Register::Id)?;
-        if identity != IDENTITY {
-            return Err(AdcError::WrongChip { identity });
+        let mut identity = [0];
+        self.access(command::RREG, 1, Operation::TransferInPlace(&mut identity))?;
+        if identity != [IDENTITY] {
+            return Err(AdcError::WrongChip { identity: identity[0] });
         }
 
         let common = [
@@ -293,16 +294,8 @@ impl<SPI: SpiDevice, RST: OutputPin, D: DelayNs> Ads131e06<SPI, RST, D> {
 
     fn write_register(&mut self, register: Register, value: u8) -> Result<(), AdcError> {
         let place = usize::from(register.address()).wrapping_sub(1);
-        if let Some(written) = self.written.get_mut(place) {
-            *written = value;
-        }
+        self.written.get_mut(place).into_iter().for_each(|written| *written = value);
         self.access(command::WREG | register.address(), 1, Operation::Write(&[value]))
-    }
-
-    fn read_register(&mut self, register: Register) -> Result<u8, AdcError> {
-        let mut value = [0];
-        self.access(command::RREG | register.address(), 1, Operation::TransferInPlace(&mut value))?;
-        Ok(value[0])
     }
 
     /// Holds all registers against what was written to them.

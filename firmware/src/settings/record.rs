@@ -56,11 +56,6 @@ impl Content {
     /// No record.
     pub const NONE: Self = Self { sector: None, length: 0, crc: 0 };
 
-    /// Whether there is nothing in it.
-    pub const fn is_empty(&self) -> bool {
-        self.length == 0
-    }
-
     /// Reads from a place on; returns how many bytes there were.
     ///
     /// # Errors

@@ -71,7 +71,7 @@ pub struct AdcPins {
 }
 
 /// Readings of a tick, and levels for the next.
-pub struct AdcFrontEnd {
+pub struct FrontEnd {
     adc: AdcDriver,
     line: DataReadyPin,
     heaters: HeaterPins<HeaterPin, ELEMENTS>,
@@ -109,7 +109,7 @@ pub struct AdcFrontEnd {
     fault: Option<Cause>,
 }
 
-impl AdcFrontEnd {
+impl FrontEnd {
     /// Brings the ADC up with ticks of 10 ms, so that standby senses already.
     #[expect(clippy::expect_used, reason = "start-up, before any heater is raised")]
     pub fn start(
@@ -214,7 +214,7 @@ impl AdcFrontEnd {
     }
 }
 
-impl ControlBoard<ELEMENTS> for AdcFrontEnd {
+impl ControlBoard<ELEMENTS> for FrontEnd {
     fn poll(&mut self) -> Option<[Reading; ELEMENTS]> {
         if flash::HAS_ERASED.take() {
             self.resume();

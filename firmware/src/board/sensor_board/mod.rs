@@ -11,22 +11,17 @@
 mod front_end;
 pub mod table;
 
-pub use crate::mcu::stm32f4::clocks::CLOCK_HZ;
-pub use crate::mcu::stm32f4::dead_man::acknowledge as acknowledge_dead_man;
-pub use crate::mcu::stm32f4::dma_link::{
-    DmaReceiver as HostReceiver, DmaTransmitter as HostTransmitter, acknowledge_received, acknowledge_sent,
+pub use crate::mcu::stm32f4::dma_link::{HostReceiver, HostTransmitter, acknowledge_received, acknowledge_sent};
+pub use crate::mcu::stm32f4::{
+    clocks::CLOCK_HZ, dead_man::acknowledge as acknowledge_dead_man, flash::SettingsFlash, reset_as_remembered,
+    supply::acknowledge as acknowledge_supply, supply::is_low as is_supply_low, unique_id,
 };
-pub use crate::mcu::stm32f4::flash::SectorFlash as SettingsFlash;
-pub use crate::mcu::stm32f4::supply::{acknowledge as acknowledge_supply, is_low as is_supply_low};
-pub use crate::mcu::stm32f4::{reset_as_remembered, unique_id};
-pub use front_end::AdcFrontEnd as FrontEnd;
+pub use front_end::FrontEnd;
 pub use table::{ELEMENTS, HARDWARE_LIMITS, IS_VIRTUAL, KIND, NAME};
 
 use super::BoardParts;
-use crate::mcu::stm32f4::dead_man::{self, DeadManTimer};
-use crate::mcu::stm32f4::memory_check::BackgroundChecks;
-use crate::mcu::stm32f4::watchdog::{self, HardwareWatchdog};
 use crate::mcu::stm32f4::{clocks, dma_link, memory_protection, port, supply};
+use crate::mcu::stm32f4::{dead_man, dead_man::DeadManTimer, memory_check::BackgroundChecks, watchdog};
 use cortex_m::peripheral::SCB;
 use defmt_rtt as _;
 use dr_core::control::Cause;
@@ -40,7 +35,7 @@ use stm32f4xx_hal::prelude::*;
 use table::{FIRST_PERIOD_US, HEATER_MASK, HEATER_PORT, HOST_BAUD, HeaterPin, LedPin};
 
 /// Resets the board unless it is fed.
-pub type Watchdog = HardwareWatchdog<LedPin>;
+pub type Watchdog = watchdog::Watchdog<LedPin>;
 
 /// HeaterPort low, clocks, link, ADC; 0.5 s, most of it the ADC's reference and offsets.
 ///
@@ -55,15 +50,15 @@ pub fn init(
     memory_protection::start(&core.MPU);
     let mut rcc = device.RCC.constrain();
     let gpioc = device.GPIOC.split(&mut rcc);
-    let heaters = HeaterPins::new([
-        HeaterPin::new(gpioc.pc0.into_push_pull_output().erase_number()),
-        HeaterPin::new(gpioc.pc1.into_push_pull_output().erase_number()),
-        HeaterPin::new(gpioc.pc2.into_push_pull_output().erase_number()),
-        HeaterPin::new(gpioc.pc3.into_push_pull_output().erase_number()),
-        HeaterPin::new(gpioc.pc4.into_push_pull_output().erase_number()),
-        HeaterPin::new(gpioc.pc5.into_push_pull_output().erase_number()),
-    ])
-    .expect("writing a pin of this processor cannot fail");
+    let heaters = [
+        gpioc.pc0.erase_number(),
+        gpioc.pc1.erase_number(),
+        gpioc.pc2.erase_number(),
+        gpioc.pc3.erase_number(),
+        gpioc.pc4.erase_number(),
+        gpioc.pc5.erase_number(),
+    ];
+    let heaters = HeaterPins::new(heaters.map(HeaterPin::new)).expect("writing a pin of this processor cannot fail");
 
     supply::start_detector(&device.PWR, &mut rcc);
     let flags = rcc.csr().read().bits();

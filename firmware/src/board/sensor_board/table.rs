@@ -45,6 +45,9 @@ pub const SETTINGS: Interrupt = Interrupt::SPI2;
 /// The vector of the dead-man timer, which raises it.
 pub const DEAD_MAN: Interrupt = Interrupt::TIM5;
 
+/// The vector of `supply_low`, which the voltage detector raises.
+pub const SUPPLY: Interrupt = Interrupt::PVD;
+
 /// Elements that it can drive, one a channel of its converter.
 pub const ELEMENTS: usize = ads131e06::CHANNELS;
 /// Limits that no message can lift.

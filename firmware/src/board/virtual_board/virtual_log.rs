@@ -6,9 +6,10 @@
 
 use crate::mcu::semihosting::File;
 use core::cell::UnsafeCell;
-use core::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
+use core::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use cortex_m::{interrupt, register::primask};
 use cortex_m_semihosting::nr;
+use firmware::flag::Flag;
 
 #[defmt::global_logger]
 struct Log;
@@ -21,7 +22,7 @@ unsafe impl Sync for Encoder {}
 
 static ENCODER: Encoder = Encoder(UnsafeCell::new(defmt::Encoder::new()));
 /// Interrupts were on before this word.
-static WERE_ON: AtomicBool = AtomicBool::new(false);
+static WERE_ON: Flag = Flag::new(false);
 /// Not opened yet. A file that cannot be opened has the same number, and is tried again with the
 /// next word.
 const CLOSED: usize = usize::MAX;
@@ -33,7 +34,7 @@ unsafe impl defmt::Logger for Log {
     fn acquire() {
         let were_on = primask::read().is_active();
         interrupt::disable();
-        WERE_ON.store(were_on, Relaxed);
+        WERE_ON.set(were_on);
         if FILE.load(Relaxed) == CLOSED {
             // The standard output.
             FILE.store(File::open(c":tt", nr::open::W_TRUNC).map_or(CLOSED, |file| file.0), Relaxed);
@@ -47,7 +48,7 @@ unsafe impl defmt::Logger for Log {
     unsafe fn release() {
         // SAFETY: as in `acquire`.
         unsafe { (*ENCODER.0.get()).end_frame(write) };
-        if WERE_ON.load(Relaxed) {
+        if WERE_ON.is_raised() {
             // SAFETY: they were on.
             unsafe { interrupt::enable() };
         }

@@ -12,8 +12,6 @@ pub const OFFSET_LIMIT: i32 = 4_194;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Register {
-    /// Identity, read only.
-    Id,
     /// Data rate.
     Config1,
     /// Test signals.
@@ -27,7 +25,7 @@ pub enum Register {
 }
 
 impl Register {
-    /// All but the identity, in the order of their addresses.
+    /// All in the order of their addresses, after the identity at 0.
     pub(super) const SET: [Self; 4 + CHANNELS] = [
         Self::Config1,
         Self::Config2,
@@ -43,7 +41,6 @@ impl Register {
 
     pub(super) const fn address(self) -> u8 {
         match self {
-            Self::Id => 0x00,
             Self::Config1 => 0x01,
             Self::Config2 => 0x02,
             Self::Config3 => 0x03,

@@ -74,7 +74,13 @@ pub fn buffers() -> [Range<u32>; 2] {
 
 /// Sets up both directions; receiving begins.
 #[expect(clippy::expect_used, reason = "start-up, before any heater is raised")]
-pub fn start(usart: USART2, dma: DMA1, (tx, rx): (PA2, PA3), baud: u32, rcc: &mut Rcc) -> (DmaTransmitter, DmaReceiver)
+pub fn start(
+    usart: USART2,
+    dma: DMA1,
+    (tx, rx): (PA2, PA3),
+    baud: u32,
+    rcc: &mut Rcc,
+) -> (HostTransmitter, HostReceiver)
 where
     Tx<USART2>: DMASet<Stream6<DMA1>, 4, MemoryToPeripheral>,
     Rx<USART2>: DMASet<Stream5<DMA1>, 4, PeripheralToMemory>,
@@ -85,14 +91,14 @@ where
     let (tx, mut rx) = serial.split();
     let streams = StreamsTuple::new(dma, rcc);
 
-    let mut transmitter = DmaTransmitter { stream: streams.6, line: tx.address(), began: counts(), recoveries: 0 };
+    let mut transmitter = HostTransmitter { stream: streams.6, line: tx.address(), began: counts(), recoveries: 0 };
     transmitter.set_up();
 
     rx.listen_idle();
     // SAFETY: nobody else uses the USART yet, and the HAL has no name for this bit: the errors
     // raise the interrupt too.
     unsafe { (*USART2::ptr()).cr3().modify(|_, w| w.eie().set_bit()) };
-    let mut receiver = DmaReceiver { stream: streams.5, circle: Circle::new(RECEIVED as u16) };
+    let mut receiver = HostReceiver { stream: streams.5, circle: Circle::new(RECEIVED as u16) };
     configure(&mut receiver.stream, DmaDirection::PeripheralToMemory, rx.address(), &TELEMETRY_RECEIVED);
     // Before all else on this controller: a byte that waits too long is lost, a frame that waits is
     // late.
@@ -120,7 +126,7 @@ fn configure(
 }
 
 /// Frames to the host.
-pub struct DmaTransmitter {
+pub struct HostTransmitter {
     stream: Stream6<DMA1>,
     /// Address of the USART's data register.
     line: u32,
@@ -130,7 +136,7 @@ pub struct DmaTransmitter {
     recoveries: u8,
 }
 
-impl DmaTransmitter {
+impl HostTransmitter {
     /// Whether the last frame has left the buffer. A stream that is stuck is set up anew.
     pub fn is_free(&mut self) -> bool {
         if !self.stream.is_enabled() {
@@ -206,12 +212,12 @@ pub fn acknowledge_received() {
 }
 
 /// Bytes from the host.
-pub struct DmaReceiver {
+pub struct HostReceiver {
     stream: Stream5<DMA1>,
     circle: Circle,
 }
 
-impl DmaReceiver {
+impl HostReceiver {
     /// The next byte that has come.
     pub fn read(&mut self) -> Option<u8> {
         let index = match self.circle.next() {

@@ -47,9 +47,9 @@ const LONGEST_WRITE_US: u32 = 1_000;
 pub static HAS_ERASED: Flag = Flag::new(false);
 
 /// The three sectors.
-pub struct SectorFlash(FLASH);
+pub struct SettingsFlash(FLASH);
 
-impl SectorFlash {
+impl SettingsFlash {
     /// Takes the flash's registers.
     pub const fn new(flash: FLASH) -> Self {
         Self(flash)
@@ -119,11 +119,11 @@ impl SectorFlash {
     }
 }
 
-impl ErrorType for SectorFlash {
+impl ErrorType for SettingsFlash {
     type Error = NorFlashErrorKind;
 }
 
-impl ReadNorFlash for SectorFlash {
+impl ReadNorFlash for SettingsFlash {
     const READ_SIZE: usize = 1;
 
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
@@ -141,7 +141,7 @@ impl ReadNorFlash for SectorFlash {
     }
 }
 
-impl NorFlash for SectorFlash {
+impl NorFlash for SettingsFlash {
     const WRITE_SIZE: usize = WORD;
     const ERASE_SIZE: usize = SECTOR;
 

@@ -99,38 +99,6 @@ impl BackgroundChecks {
     }
 }
 
-/// A step of the march at one word: reads it and adds to `ones` what of its complement is there,
-/// then writes the contents.
-macro_rules! back {
-    ($word:literal, $at:literal) => {
-        concat!(
-            "ldr {t}, [{a}, #",
-            $at,
-            "]\n eor {t}, {",
-            $word,
-            "}\n and {ones}, {t}\n str {",
-            $word,
-            "}, [{a}, #",
-            $at,
-            "]"
-        )
-    };
-}
-
-/// Reads it and adds to `zeros` what of it is not the contents.
-macro_rules! check {
-    ($word:literal, $at:literal) => {
-        concat!("ldr {t}, [{a}, #", $at, "]\n eor {t}, {", $word, "}\n orr {zeros}, {t}")
-    };
-}
-
-/// Writes the complement.
-macro_rules! invert {
-    ($word:literal, $at:literal) => {
-        concat!("mvn {t}, {", $word, "}\n str {t}, [{a}, #", $at, "]")
-    };
-}
-
 /// Marches the four words from here on; true if they hold what is written into them.
 fn march(block: u32) -> bool {
     let (mut zeros, mut ones) = (0_u32, u32::MAX);
@@ -145,16 +113,30 @@ fn march(block: u32) -> bool {
             "ldr {v2}, [{a}, #8]",
             "ldr {v3}, [{a}, #12]",
             // Up: their complements.
-            invert!("v0", 0), invert!("v1", 4), invert!("v2", 8), invert!("v3", 12),
+            "mvn {t}, {v0}", "str {t}, [{a}]",
+            "mvn {t}, {v1}", "str {t}, [{a}, #4]",
+            "mvn {t}, {v2}", "str {t}, [{a}, #8]",
+            "mvn {t}, {v3}", "str {t}, [{a}, #12]",
             // Up: complements are there, then the contents.
-            back!("v0", 0), back!("v1", 4), back!("v2", 8), back!("v3", 12),
+            "ldr {t}, [{a}]", "eor {t}, {v0}", "and {ones}, {t}", "str {v0}, [{a}]",
+            "ldr {t}, [{a}, #4]", "eor {t}, {v1}", "and {ones}, {t}", "str {v1}, [{a}, #4]",
+            "ldr {t}, [{a}, #8]", "eor {t}, {v2}", "and {ones}, {t}", "str {v2}, [{a}, #8]",
+            "ldr {t}, [{a}, #12]", "eor {t}, {v3}", "and {ones}, {t}", "str {v3}, [{a}, #12]",
             // Down: contents are there, then their complements.
-            check!("v3", 12), invert!("v3", 12), check!("v2", 8), invert!("v2", 8),
-            check!("v1", 4), invert!("v1", 4), check!("v0", 0), invert!("v0", 0),
+            "ldr {t}, [{a}, #12]", "eor {t}, {v3}", "orr {zeros}, {t}", "mvn {t}, {v3}", "str {t}, [{a}, #12]",
+            "ldr {t}, [{a}, #8]", "eor {t}, {v2}", "orr {zeros}, {t}", "mvn {t}, {v2}", "str {t}, [{a}, #8]",
+            "ldr {t}, [{a}, #4]", "eor {t}, {v1}", "orr {zeros}, {t}", "mvn {t}, {v1}", "str {t}, [{a}, #4]",
+            "ldr {t}, [{a}]", "eor {t}, {v0}", "orr {zeros}, {t}", "mvn {t}, {v0}", "str {t}, [{a}]",
             // Down: complements are there, then the contents.
-            back!("v3", 12), back!("v2", 8), back!("v1", 4), back!("v0", 0),
+            "ldr {t}, [{a}, #12]", "eor {t}, {v3}", "and {ones}, {t}", "str {v3}, [{a}, #12]",
+            "ldr {t}, [{a}, #8]", "eor {t}, {v2}", "and {ones}, {t}", "str {v2}, [{a}, #8]",
+            "ldr {t}, [{a}, #4]", "eor {t}, {v1}", "and {ones}, {t}", "str {v1}, [{a}, #4]",
+            "ldr {t}, [{a}]", "eor {t}, {v0}", "and {ones}, {t}", "str {v0}, [{a}]",
             // Down: contents are there.
-            check!("v3", 12), check!("v2", 8), check!("v1", 4), check!("v0", 0),
+            "ldr {t}, [{a}, #12]", "eor {t}, {v3}", "orr {zeros}, {t}",
+            "ldr {t}, [{a}, #8]", "eor {t}, {v2}", "orr {zeros}, {t}",
+            "ldr {t}, [{a}, #4]", "eor {t}, {v1}", "orr {zeros}, {t}",
+            "ldr {t}, [{a}]", "eor {t}, {v0}", "orr {zeros}, {t}",
             "msr PRIMASK, {mask}",
             a = in(reg) block,
             mask = out(reg) _,

@@ -5,7 +5,7 @@
 
 use core::convert::Infallible;
 use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
-use stm32f4xx_hal::gpio::{Output, PartiallyErasedPin, PinExt};
+use stm32f4xx_hal::gpio::{Input, Output, PartiallyErasedPin, PinExt};
 use stm32f4xx_hal::pac::{GPIOA, gpioa::RegisterBlock};
 
 /// Registers of a port.
@@ -31,9 +31,9 @@ pub struct PortPin<const PORT: char> {
 }
 
 impl<const PORT: char> PortPin<PORT> {
-    /// Takes a pin.
-    pub fn new(pin: PartiallyErasedPin<PORT, Output>) -> Self {
-        Self { bit: 1 << (pin.pin_id() & 15), _pin: pin }
+    /// Makes a pin an output.
+    pub fn new(pin: PartiallyErasedPin<PORT, Input>) -> Self {
+        Self { bit: 1 << (pin.pin_id() & 15), _pin: pin.into_mode() }
     }
 }
 

@@ -58,11 +58,11 @@ const AFTER_PIN: [u32; 2] = [0x5EED_0D07, !0x5EED_0D07];
 static mut MARK: core::mem::MaybeUninit<[u32; 2]> = core::mem::MaybeUninit::uninit();
 
 /// Resets the board unless it is fed.
-pub struct HardwareWatchdog<L> {
+pub struct Watchdog<L> {
     led: L,
 }
 
-impl<L: StatefulOutputPin> HardwareWatchdog<L> {
+impl<L: StatefulOutputPin> Watchdog<L> {
     /// Feeds the running watchdog, and has the platinum's supply up before the first reading.
     pub fn new(debug: &DBGMCU, mut led: L) -> Self {
         // Without it a probe cannot read the log while the core sleeps.
