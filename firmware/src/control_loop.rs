@@ -84,7 +84,7 @@ pub struct ControlShared<'a, 'b> {
     pub estimated: (Digest, bool),
 }
 
-/// What has to be done after a run: tasks to wake, words to keep.
+/// Work that a run leaves: tasks to wake, words to keep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Woken {
     /// The transmitter.
@@ -165,6 +165,14 @@ impl<'a, B: ControlBoard<N>, const N: usize> ControlLoop<'a, B, N> {
     }
 
     fn carry_out_commands(&mut self, shared: &mut ControlShared<'_, '_>) {
+        self.carry_out_orders(shared);
+        if let Some(to) = self.links.interlock.take_stop() {
+            self.stop(to, shared);
+        }
+        self.carry_out_requests(shared);
+    }
+
+    fn carry_out_orders(&mut self, shared: &mut ControlShared<'_, '_>) {
         while self.links.estimates.has_room()
             && let Some(command) = self.links.orders.dequeue()
         {
@@ -173,25 +181,27 @@ impl<'a, B: ControlBoard<N>, const N: usize> ControlLoop<'a, B, N> {
                 queue::put(shared.outcomes, result.map(drop)).ok();
             }
         }
-        if let Some(to) = self.links.interlock.take_stop() {
-            // What waited is void: nothing starts behind it.
-            while let Some((to, _)) = self.links.requests.dequeue() {
-                shared.outbox.put(FromBoard::Reply { to, result: Err(Refusal::Stopped) });
-            }
-            self.answer(to, Command::Stop, shared);
+    }
+
+    fn stop(&mut self, to: u16, shared: &mut ControlShared<'_, '_>) {
+        // What waited is void: nothing starts behind it.
+        while let Some((to, _)) = self.links.requests.dequeue() {
+            shared.outbox.put(FromBoard::Reply { to, result: Err(Refusal::Stopped) });
         }
+        if let Some(result) = self.carry_out(Origin::Host(to), Command::Stop, shared.status) {
+            shared.outbox.put(FromBoard::Reply { to, result });
+        }
+    }
+
+    fn carry_out_requests(&mut self, shared: &mut ControlShared<'_, '_>) {
         // While settings are written or loaded, the host's commands wait: nothing starts then.
         while !self.links.phase.lock.is_taken()
             && self.links.estimates.has_room()
             && let Some((to, command)) = self.links.requests.dequeue()
         {
-            self.answer(to, command, shared);
-        }
-    }
-
-    fn answer(&mut self, to: u16, command: Command, shared: &mut ControlShared<'_, '_>) {
-        if let Some(result) = self.carry_out(Origin::Host(to), command, shared.status) {
-            shared.outbox.put(FromBoard::Reply { to, result });
+            if let Some(result) = self.carry_out(Origin::Host(to), command, shared.status) {
+                shared.outbox.put(FromBoard::Reply { to, result });
+            }
         }
     }
 
