@@ -62,6 +62,7 @@ impl CrashRecord {
     }
 
     /// Encodes the record.
+    #[inline(never)] // start, crash and acknowledgement share it
     pub fn record(&self) -> CrashWords {
         let mut words = CrashWords { complement: !self.starts ^ LAYOUT, ..CrashWords::BLANK };
         // It has room for the longest.

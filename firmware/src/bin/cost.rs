@@ -9,7 +9,7 @@
 #![no_main]
 
 #[allow(dead_code, reason = "no file is used here")]
-#[path = "../mcu/semihosting.rs"]
+#[path = "../mcu/emulated/semihosting.rs"]
 mod semihosting;
 
 use core::hint::black_box;

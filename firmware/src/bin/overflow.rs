@@ -16,10 +16,11 @@ mod halt;
 #[allow(dead_code, reason = "no file is read here")]
 #[path = "../mcu"]
 mod mcu {
-    pub mod semihosting;
+    pub mod emulated {
+        pub mod semihosting;
+        mod virtual_log;
+    }
 }
-#[path = "../board/virtual_board/virtual_log.rs"]
-mod virtual_log;
 
 use core::arch::asm;
 use core::hint::black_box;
@@ -27,7 +28,7 @@ use core::sync::atomic::AtomicU32;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::syscall;
 use defmt as _;
-use mcu::semihosting::exit;
+use mcu::emulated::semihosting::exit;
 // For the table of interrupts, of which none is used.
 use stm32f4xx_hal as _;
 

@@ -15,7 +15,7 @@ mod clocks;
 #[path = "../mcu/stm32f4/memory_protection.rs"]
 mod memory_protection;
 #[allow(dead_code, reason = "no place of a file is sought here")]
-#[path = "../mcu/semihosting.rs"]
+#[path = "../mcu/emulated/semihosting.rs"]
 mod semihosting;
 #[path = "../mcu/ticking.rs"]
 mod ticking;

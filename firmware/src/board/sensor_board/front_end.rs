@@ -29,8 +29,7 @@
 use super::heaters_low;
 use super::table::{ADC_CLOCK_KHZ, DataReadyPin, ELEMENTS, FIRST_PERIOD_US, HeaterPin, ResetPin, SelectPin};
 use crate::mcu::stm32f4::clocks::{COUNTS_PER_US, CycleDelay, counts};
-use crate::mcu::stm32f4::dead_man::DeadManTimer;
-use crate::mcu::stm32f4::flash;
+use crate::mcu::stm32f4::{dead_man::DeadManTimer, flash};
 use dr_core::ConfigError;
 use dr_core::control::{Cause, Tick};
 use dr_core::sensor::reading::REFERENCE_CODE;
@@ -132,13 +131,10 @@ impl FrontEnd {
             ExclusiveDevice::new(bus, pins.select, CycleDelay).expect("writing a pin of this processor cannot fail");
         let mut adc = Ads131e06::new(device, pins.reset, CycleDelay);
         let mut line = pins.data_ready;
-        let usable = match adc.initialise(plan.rate(), &mut line) {
-            Ok(()) => true,
-            Err(error) => {
-                defmt::error!("all readings are missing, the ADC did not start: {}", error);
-                false
-            }
-        };
+        let started = adc.initialise(plan.rate(), &mut line);
+        let usable = started
+            .inspect_err(|error| defmt::error!("all readings are missing, the ADC did not start: {}", error))
+            .is_ok();
 
         line.make_interrupt_source(&mut syscfg.constrain(rcc));
         line.trigger_on_edge(&mut exti, Edge::Falling);

@@ -73,8 +73,8 @@ pub fn init(
     let gpiob = device.GPIOB.split(&mut rcc);
     let mut watchdog = Watchdog::new(&device.DBGMCU, gpiob.pb1.into_push_pull_output());
     clocks::start_stopwatch(&device.TIM2, &mut rcc);
-    let host_pins = (gpioa.pa2, gpioa.pa3);
-    let (host_transmitter, host_receiver) = dma_link::start(device.USART2, device.DMA1, host_pins, HOST_BAUD, &mut rcc);
+    let (host_transmitter, host_receiver) =
+        dma_link::start(device.USART2, device.DMA1, (gpioa.pa2, gpioa.pa3), HOST_BAUD, &mut rcc);
     let pins = AdcPins {
         select: gpioa.pa4.into_push_pull_output_in_state(PinState::High),
         bus: (gpioa.pa5, gpioa.pa6, gpioa.pa7),

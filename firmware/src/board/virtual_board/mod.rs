@@ -14,16 +14,14 @@
 //! timer: the host measures the silence of the front end. A reset is a real one: RAM stays, as on
 //! the sensor board.
 
-mod file_flash;
 pub mod table;
-mod virtual_log;
 
-pub use file_flash::FileFlash as SettingsFlash;
+pub use crate::mcu::emulated::file_flash::FileFlash as SettingsFlash;
 pub use table::{CLOCK_HZ, ELEMENTS, HARDWARE_LIMITS, IS_VIRTUAL, KIND, NAME};
 
 use super::BoardParts;
-use crate::halt;
-use crate::mcu::semihosting::{self, File};
+use crate::mcu::emulated::file_flash;
+use crate::mcu::emulated::semihosting::{self, File};
 use core::sync::atomic::{AtomicU32, AtomicUsize, Ordering::Relaxed};
 use cortex_m::peripheral::SCB;
 use cortex_m_semihosting::nr;
@@ -99,12 +97,6 @@ pub fn heaters_low() {
 pub fn restart() -> ! {
     heaters_low();
     SCB::sys_reset()
-}
-
-/// The supply is gone, and comes back: nothing is known of the life before.
-fn lose_power() -> ! {
-    halt::forget();
-    restart()
 }
 
 /// The host counts the time; there is no interrupt to clear.

@@ -9,8 +9,8 @@
 //! The supply can be made to fail in the middle of it ([`cut_after`]): what has been written so far
 //! stays, and the board starts anew as if it had just been switched on.
 
-use super::lose_power;
-use crate::mcu::semihosting::File;
+use super::semihosting::File;
+use crate::{board, halt};
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use cortex_m_semihosting::nr;
 use embedded_storage::nor_flash::{
@@ -66,6 +66,12 @@ impl FileFlash {
         self.file = Some(file);
         Ok(file)
     }
+}
+
+/// The supply is gone, and comes back: nothing is known of the life before.
+fn lose_power() -> ! {
+    halt::forget();
+    board::restart()
 }
 
 fn get(file: File, offset: usize, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {

@@ -4,7 +4,7 @@
 //! still come between is a fault or a panic, and neither comes back: it begins a word of its own,
 //! and the decoder drops the broken one.
 
-use crate::mcu::semihosting::File;
+use super::semihosting::File;
 use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use cortex_m::{interrupt, register::primask};
