@@ -128,6 +128,7 @@ impl<'a, B: ControlBoard<N>, const N: usize> ControlLoop<'a, B, N> {
     }
 
     /// Runs once.
+    #[inline(never)] // its path is bounded under its name
     pub fn run(&mut self, shared: &mut ControlShared<'_, '_>) -> Woken {
         // Before any trip and any command.
         if let Some(lockout) = self.lockout_before.take() {

@@ -135,16 +135,11 @@ impl<SPI: SpiDevice, RST: OutputPin, D: DelayNs> Ads131e06<SPI, RST, D> {
             return Err(AdcError::WrongChip { identity: identity[0] });
         }
 
-        let common = [
-            (Register::Config1, config1(rate)),
-            (Register::Config2, 0xE0),
-            // Reference buffer on, 4 V; the spare amplifier off.
-            (Register::Config3, 0xE0),
-            (Register::Fault, 0x00),
-        ];
-        for (register, value) in common {
-            self.write_register(register, value)?;
-        }
+        self.write_register(Register::Config1, config1(rate))?;
+        self.write_register(Register::Config2, 0xE0)?;
+        // Reference buffer on, 4 V; the spare amplifier off.
+        self.write_register(Register::Config3, 0xE0)?;
+        self.write_register(Register::Fault, 0x00)?;
         self.connect(AdcInput::Shorted)?;
         self.read_back()?;
 
