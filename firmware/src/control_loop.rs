@@ -95,8 +95,8 @@ pub struct Woken {
     pub settings: bool,
     /// The crash of an earlier start has been acknowledged.
     pub acknowledged: bool,
-    /// The trip counter has changed, which is kept across a reset.
-    pub lockout: Option<LockoutWords>,
+    /// [`ControlLoop::kept_lockout`] has changed.
+    pub lockout: bool,
 }
 
 /// The loop. It owns the decider.
@@ -106,7 +106,7 @@ pub struct ControlLoop<'a, B, const N: usize> {
     /// the stack would hold the decider more than once.
     lockout_before: Option<Lockout>,
     /// The trip counter as RAM keeps it across a reset.
-    kept_lockout: LockoutWords,
+    pub kept_lockout: LockoutWords,
     board: B,
     links: ControlLinks<'a, N>,
     cut_off: CutOff,
@@ -296,7 +296,7 @@ impl<'a, B: ControlBoard<N>, const N: usize> ControlLoop<'a, B, N> {
         if lockout.words() != *kept_lockout {
             // Once a second, and with each trip.
             *kept_lockout = lockout.words();
-            woken.lockout = Some(*kept_lockout);
+            woken.lockout = true;
             status.history = lockout.history();
         }
         let state = controller.state();

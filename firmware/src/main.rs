@@ -240,8 +240,8 @@ mod app {
         if woken.acknowledged {
             halt::acknowledge();
         }
-        if let Some(words) = &woken.lockout {
-            halt::write_lockout(words);
+        if woken.lockout {
+            halt::write_lockout(&cx.local.control.kept_lockout);
         }
         for (is_woken, vector) in [(woken.transmit, TRANSMIT), (woken.estimate, ESTIMATE), (woken.settings, SETTINGS)] {
             if is_woken {
