@@ -59,19 +59,16 @@ pub fn forget() {
     write(CrashWords::BLANK);
 }
 
-/// Updates the crash record for this start; returns it with the reset cause. Called once per start.
-pub fn update_record(reset: ResetCause) -> (ResetCause, CrashRecord) {
+/// Updates crash record and trip counter for this start; returns both, with the reset cause. Called
+/// once per start. The counter is as it was, unless the supply or the reset pin has started the
+/// board ([`CrashRecord::lockout`]).
+pub fn begin(reset: ResetCause) -> (ResetCause, CrashRecord, Lockout) {
     let record = CrashRecord::after(&read());
     write(record.kept().record());
-    (board::reset_as_remembered(reset, &record), record)
-}
-
-/// The trip counter after this reset: as it was, unless the supply or the reset pin has started the
-/// board ([`CrashRecord::lockout`]).
-pub fn lockout_after(reset: ResetCause, past: &CrashRecord) -> Lockout {
-    let lockout = past.lockout(reset, read_lockout());
+    let reset = board::reset_as_remembered(reset, &record);
+    let lockout = record.lockout(reset, read_lockout());
     write_lockout(&lockout.words());
-    lockout
+    (reset, record, lockout)
 }
 
 /// The crash has been acknowledged: the next start is one like any other.

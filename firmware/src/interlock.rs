@@ -46,18 +46,10 @@ impl Interlock {
 
     /// Takes the cause of a request; it is returned once.
     pub fn take_trip(&self) -> Option<Cause> {
+        use Cause::{BrownOut, Clock, Fault, Memory, Panic, ProofTest, Restart, Watchdog};
         let word = self.trip.load(Relaxed).checked_sub(1)?;
         self.trip.store(0, Relaxed);
-        let known = [
-            Cause::Panic,
-            Cause::Fault,
-            Cause::Watchdog,
-            Cause::BrownOut,
-            Cause::Memory,
-            Cause::Clock,
-            Cause::ProofTest,
-            Cause::Restart,
-        ];
+        let known = [Panic, Fault, Watchdog, BrownOut, Memory, Clock, ProofTest, Restart];
         Some(known.into_iter().find(|&cause| cause as u32 == word).unwrap_or(Cause::BitFlip))
     }
 

@@ -116,9 +116,8 @@ mod app {
         let mut core = cx.core;
         let parts = board::init(cx.device, &mut core, exchanges);
         ticking::start(&mut core.SYST, board::CLOCK_HZ);
-        let (reset, past) = halt::update_record(parts.reset);
+        let (reset, past, lockout) = halt::begin(parts.reset);
         defmt::info!("{=str} on the {} board, started by {}", vitals::NAME, board::NAME, board::reset_name(reset));
-        let lockout = halt::lockout_after(reset, &past);
         if let Some(cause) = past.trip(reset) {
             INTERLOCK.trip(cause);
             PHASE.lock.standby(false);

@@ -213,51 +213,40 @@ fn main() -> ! {
         [&ORDER, &FLOATS].into_iter().chain(&FAULT).for_each(|word| word.store(0, Relaxed));
         // SAFETY: a fault ends the function that is called, and what is stored was there before or
         // is put back.
-        let values = unsafe {
+        let mut values = [0; 2];
+        unsafe {
             match trial {
-                LOAD => [load(first), 0],
+                LOAD => values[0] = load(first),
                 STORE => {
                     let before = load(first);
                     FAULT.iter().for_each(|word| word.store(0, Relaxed));
                     store(first, before);
-                    [0; 2]
                 }
-                JUMP => {
-                    jump(first);
-                    [0; 2]
-                }
-                INSTRUCTION => {
-                    INSTRUCTIONS.get(first as usize).into_iter().for_each(|function| function());
-                    [0; 2]
-                }
+                JUMP => jump(first),
+                INSTRUCTION => INSTRUCTIONS.get(first as usize).into_iter().for_each(|function| function()),
                 JUMP_IN_FAULT => {
                     JUMP_FROM_FAULT.store(CODE_IN_RAM.as_ptr() as u32 | 1, Relaxed);
                     undefined();
-                    [0; 2]
                 }
                 EXCHANGE => {
                     let before = load(first);
                     store(first, second);
-                    let after = load(first);
+                    values = [load(first), before];
                     store(first, before);
-                    [after, before]
                 }
                 PRIORITIES => {
                     let [outer, inner, ceiling, _] = first.to_le_bytes();
                     preempt(&mut core.NVIC, outer, inner, ceiling);
-                    [ORDER.load(Relaxed), FLOATS.load(Relaxed)]
+                    values = [ORDER.load(Relaxed), FLOATS.load(Relaxed)];
                 }
                 TICK => {
                     let reload = tick(&mut core.SYST);
-                    [ORDER.load(Relaxed), reload]
+                    values = [ORDER.load(Relaxed), reload];
                 }
-                PROTECT => {
-                    memory_protection::start(&core.MPU);
-                    [0; 2]
-                }
-                _ => [u32::MAX; 2],
+                PROTECT => memory_protection::start(&core.MPU),
+                _ => values = [u32::MAX; 2],
             }
-        };
+        }
         let [value, other] = values;
         let [status, hard, memory, bus, place] = FAULT.each_ref().map(|word| word.load(Relaxed));
         let verdict = [value, other, status, hard, memory, bus, place].map(u32::to_le_bytes);

@@ -1,5 +1,7 @@
 //! Registers of the ADC and the values by which a healthy chip is known.
 
+use Register::{Channel, Config1, Config2, Config3, Fault};
+
 /// Channels of the chip.
 pub const CHANNELS: usize = 6;
 /// What the identity register of an ADS131E06 holds: family 110, then 1 00, then 01 for six
@@ -26,18 +28,8 @@ pub enum Register {
 
 impl Register {
     /// All in the order of their addresses, after the identity at 0.
-    pub(super) const SET: [Self; 4 + CHANNELS] = [
-        Self::Config1,
-        Self::Config2,
-        Self::Config3,
-        Self::Fault,
-        Self::Channel(0),
-        Self::Channel(1),
-        Self::Channel(2),
-        Self::Channel(3),
-        Self::Channel(4),
-        Self::Channel(5),
-    ];
+    pub(super) const SET: [Self; 4 + CHANNELS] =
+        [Config1, Config2, Config3, Fault, Channel(0), Channel(1), Channel(2), Channel(3), Channel(4), Channel(5)];
 
     pub(super) const fn address(self) -> u8 {
         match self {

@@ -46,6 +46,9 @@ const LONGEST_WRITE_US: u32 = 1_000;
 /// An erase has stopped the processor since the front end last asked.
 pub static HAS_ERASED: Flag = Flag::new(false);
 
+/// Result of work on the flash.
+type Done = Result<(), NorFlashErrorKind>;
+
 /// The three sectors.
 pub struct SettingsFlash(FLASH);
 
@@ -59,7 +62,7 @@ impl SettingsFlash {
         self.0.sr().read().bsy().bit_is_set()
     }
 
-    fn wait(&self, longest_us: u32) -> Result<(), NorFlashErrorKind> {
+    fn wait(&self, longest_us: u32) -> Done {
         let started = cycles();
         while self.is_busy() {
             if cycles().wrapping_sub(started) > longest_us * CYCLES_PER_US {
@@ -71,10 +74,7 @@ impl SettingsFlash {
 
     /// Does something with the flash unlocked, and locks it again whatever comes of it. A flash
     /// that stays busy is left alone: a store to FLASH_CR would never end (RM0090, "FLASH_CR").
-    fn unlocked(
-        &mut self,
-        work: impl FnOnce(&mut Self) -> Result<(), NorFlashErrorKind>,
-    ) -> Result<(), NorFlashErrorKind> {
+    fn unlocked(&mut self, work: impl FnOnce(&mut Self) -> Done) -> Done {
         if self.is_busy() {
             return Err(NorFlashErrorKind::Other);
         }
@@ -103,7 +103,7 @@ impl SettingsFlash {
         acr.modify(|_, w| w.dcen().bit(on));
     }
 
-    fn erase_sector(&mut self, number: u8) -> Result<(), NorFlashErrorKind> {
+    fn erase_sector(&mut self, number: u8) -> Done {
         // SAFETY: the number is one of the settings' sectors.
         self.0.cr().modify(|_, w| unsafe { w.psize().psize32().snb().bits(number).pg().clear_bit().ser().set_bit() });
         // Nobody may take the note before the processor stands still.
@@ -126,7 +126,7 @@ impl ErrorType for SettingsFlash {
 impl ReadNorFlash for SettingsFlash {
     const READ_SIZE: usize = 1;
 
-    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Done {
         check_read(self, offset, bytes.len())?;
         for (address, byte) in (START + offset as usize..).zip(bytes) {
             // SAFETY: it is in flash, which can always be read. Volatile, since it changes without
@@ -145,7 +145,7 @@ impl NorFlash for SettingsFlash {
     const WRITE_SIZE: usize = WORD;
     const ERASE_SIZE: usize = SECTOR;
 
-    fn erase(&mut self, from: u32, to: u32) -> Result<(), NorFlashErrorKind> {
+    fn erase(&mut self, from: u32, to: u32) -> Done {
         check_erase(self, from, to)?;
         let sectors = from as usize / SECTOR..to as usize / SECTOR;
         self.unlocked(|flash| {
@@ -159,7 +159,7 @@ impl NorFlash for SettingsFlash {
         })
     }
 
-    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), NorFlashErrorKind> {
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Done {
         check_write(self, offset, bytes.len())?;
         CHECK_INS.check_in(Member::Settings);
         self.unlocked(|flash| {
