@@ -54,7 +54,7 @@ fn write(words: CrashWords) {
 }
 
 /// Clears the record, as a loss of power does.
-#[cfg(feature = "virtual-board")]
+#[cfg(feature = "emulated")]
 pub fn forget() {
     write(CrashWords::BLANK);
 }

@@ -21,7 +21,7 @@ mod fault_entry;
 mod halt;
 mod mcu;
 mod settings_loader;
-#[cfg(feature = "virtual-board")]
+#[cfg(feature = "emulated")]
 mod stack;
 mod vitals;
 
@@ -209,7 +209,7 @@ mod app {
 
     /// The supply falls: brown-out and reset may follow. Priority 6, as the dead-man timer. Raised
     /// by the voltage detector, and by `health` as long as the supply is low.
-    #[cfg(feature = "sensor-board")]
+    #[cfg(feature = "stm32f4")]
     #[task(binds = PVD, priority = 6)]
     fn supply_low(_: supply_low::Context) {
         board::heaters_low();
@@ -428,7 +428,7 @@ mod app {
                 wind.log();
             }
         }
-        #[cfg(feature = "sensor-board")]
+        #[cfg(feature = "stm32f4")]
         if board::is_supply_low() {
             rtic::pend(board::table::SUPPLY);
         }
@@ -437,7 +437,7 @@ mod app {
 
     /// Half of the sensor board's receive buffer is full, and the host is still speaking. Priority
     /// 4, as `receive`.
-    #[cfg(feature = "sensor-board")]
+    #[cfg(feature = "stm32f4")]
     #[task(binds = DMA1_STREAM5, priority = 4)]
     fn filled(_: filled::Context) {
         board::acknowledge_received();
@@ -446,7 +446,7 @@ mod app {
 
     /// The sensor board's transmitter has sent its frame: there may be more. Priority 3, as
     /// `transmit`.
-    #[cfg(feature = "sensor-board")]
+    #[cfg(feature = "stm32f4")]
     #[task(binds = DMA1_STREAM6, priority = 3)]
     fn sent(_: sent::Context) {
         board::acknowledge_sent();

@@ -1,7 +1,7 @@
 //! Processors: what belongs to one whatever board it is on.
 
-#[cfg(feature = "virtual-board")]
+#[cfg(feature = "emulated")]
 pub mod emulated;
-#[cfg(feature = "sensor-board")]
+#[cfg(feature = "stm32f4")]
 pub mod stm32f4;
 pub mod ticking;

@@ -23,7 +23,6 @@ use super::BoardParts;
 use crate::mcu::stm32f4::{clocks, dma_link, memory_protection, port, supply};
 use crate::mcu::stm32f4::{dead_man, dead_man::DeadManTimer, memory_check::BackgroundChecks, watchdog};
 use cortex_m::peripheral::SCB;
-use defmt_rtt as _;
 use dr_core::control::Cause;
 use firmware::drivers::heater_pins::HeaterPins;
 use firmware::mcu::stm32f4::reset_flags;

@@ -28,6 +28,7 @@ pub mod port;
 pub mod supply;
 pub mod watchdog;
 
+use defmt_rtt as _;
 use firmware::crash_record::CrashRecord;
 use wire::ResetCause;
 
