@@ -14,10 +14,7 @@ pub fn azimuth_deg(x_m_s: f32, y_m_s: f32) -> u16 {
 fn whole_degrees(degrees: f32) -> u16 {
     let positive = if degrees < 0.0 { degrees + 360.0 } else { degrees };
     // Not a number is 0.
-    match (positive + 0.5) as u16 {
-        whole if whole < 360 => whole,
-        _ => 0,
-    }
+    (positive + 0.5) as u16 % 360
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Check-ins: every task checks in, and the watchdog is fed only when all have.
 
-use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
+use crate::flag::Flag;
+use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// Beats without a patient member after which the watchdog is not fed: 5 s at 20 a second.
 ///
@@ -27,60 +28,34 @@ pub enum Member {
 
 /// Who has checked in since the watchdog was last fed.
 pub struct CheckIns {
-    tasks: [AtomicBool; 4],
-    patient: [PatientMember; 2],
-}
-
-/// A member that need not check in with every beat.
-struct PatientMember {
-    anew: AtomicBool,
-    /// Beats since it has checked in.
-    beats: AtomicU32,
-}
-
-impl PatientMember {
-    const fn new() -> Self {
-        Self { anew: AtomicBool::new(false), beats: AtomicU32::new(0) }
-    }
-
-    /// Counts a beat. Returns true if the member has checked in lately. A check-in between load and
-    /// store is lost.
-    fn beat(&self) -> bool {
-        let beats = if self.anew.load(Relaxed) { 0 } else { self.beats.load(Relaxed).saturating_add(1) };
-        self.anew.store(false, Relaxed);
-        self.beats.store(beats, Relaxed);
-        beats < MOST_BEATS
-    }
+    anew: [Flag; 6],
+    /// Beats since the two last members, which are patient, have checked in.
+    beats: [AtomicU32; 2],
 }
 
 impl CheckIns {
     /// No task yet.
     pub const fn none() -> Self {
-        Self { tasks: [const { AtomicBool::new(false) }; 4], patient: [const { PatientMember::new() }; 2] }
+        Self { anew: [const { Flag::new(false) }; 6], beats: [const { AtomicU32::new(0) }; 2] }
     }
 
     /// Records that a task has run.
     pub fn check_in(&self, member: Member) {
-        let Self { tasks: [control, estimate, receive, transmit], patient: [settings, idle] } = self;
-        match member {
-            Member::Control => control,
-            Member::Estimate => estimate,
-            Member::Receive => receive,
-            Member::Transmit => transmit,
-            Member::Settings => &settings.anew,
-            Member::Idle => &idle.anew,
-        }
-        .store(true, Relaxed);
+        self.anew.get(member as usize).into_iter().for_each(Flag::raise);
     }
 
     /// Whether all have checked in; if so, the record is cleared. To be asked once a beat.
     pub fn all_anew(&self) -> bool {
-        let [settings, idle] = &self.patient;
-        // Both count on, whatever the other one does.
-        let (is_settings_well, is_idle_well) = (settings.beat(), idle.beat());
-        let all = is_settings_well && is_idle_well && self.tasks.iter().all(|member| member.load(Relaxed));
+        let [tasks @ .., settings, idle] = &self.anew;
+        let mut all = tasks.iter().all(Flag::is_raised);
+        // Both count on, whatever the others do.
+        for (member, count) in [settings, idle].into_iter().zip(&self.beats) {
+            let beats = if member.take() { 0 } else { count.load(Relaxed).saturating_add(1) };
+            count.store(beats, Relaxed);
+            all &= beats < MOST_BEATS;
+        }
         if all {
-            self.tasks.iter().for_each(|member| member.store(false, Relaxed));
+            tasks.iter().for_each(|task| task.set(false));
         }
         all
     }

@@ -43,10 +43,8 @@ pub trait ControlBoard<const N: usize> {
     fn overran(&mut self) -> bool;
     /// What a check of the front end has found, once.
     fn take_fault(&mut self) -> Option<Cause>;
-    /// Conversions so far that have not been read, or whose frame was damaged.
-    fn lost_conversions(&self) -> u32;
-    /// Longest time of the run from an edge to the pins, µs.
-    fn edge_to_pins_us(&self) -> u32;
+    /// Puts counters of the front end into the status.
+    fn report(&self, _status: &mut ControlStatus) {}
     /// The tick is through, but for its estimate. For boards whose front end is a link.
     fn decided(&mut self, _decider: &Decider<N>, _tick: &Tick<N>) {}
     /// A reply that such a front end waits for. The digest of the wind, and whether the host gets an
@@ -54,10 +52,6 @@ pub trait ControlBoard<const N: usize> {
     fn reply(&mut self, _estimated: Option<(Digest, bool)>) -> Option<FromBoard> {
         None
     }
-    /// Keeps the trip counter across a reset.
-    fn keep_lockout(&mut self, words: &LockoutWords);
-    /// The crash of an earlier start has been acknowledged.
-    fn acknowledge_crash(&mut self);
 }
 
 /// Queues and flags of the control task.
@@ -90,7 +84,7 @@ pub struct ControlShared<'a, 'b> {
     pub estimated: (Digest, bool),
 }
 
-/// Tasks that have something to do now.
+/// Work that a run leaves: tasks to wake, words to keep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Woken {
     /// The transmitter.
@@ -99,6 +93,10 @@ pub struct Woken {
     pub estimate: bool,
     /// The settings server.
     pub settings: bool,
+    /// The crash of an earlier start has been acknowledged.
+    pub acknowledged: bool,
+    /// [`ControlLoop::kept_lockout`] has changed.
+    pub lockout: bool,
 }
 
 /// The loop. It owns the decider.
@@ -108,7 +106,7 @@ pub struct ControlLoop<'a, B, const N: usize> {
     /// the stack would hold the decider more than once.
     lockout_before: Option<Lockout>,
     /// The trip counter as RAM keeps it across a reset.
-    kept_lockout: LockoutWords,
+    pub kept_lockout: LockoutWords,
     board: B,
     links: ControlLinks<'a, N>,
     cut_off: CutOff,
@@ -130,6 +128,7 @@ impl<'a, B: ControlBoard<N>, const N: usize> ControlLoop<'a, B, N> {
     }
 
     /// Runs once.
+    #[inline(never)] // its path is bounded under its name
     pub fn run(&mut self, shared: &mut ControlShared<'_, '_>) -> Woken {
         // Before any trip and any command.
         if let Some(lockout) = self.lockout_before.take() {
@@ -139,7 +138,7 @@ impl<'a, B: ControlBoard<N>, const N: usize> ControlLoop<'a, B, N> {
         if let Some(cause) = self.links.interlock.take_trip() {
             self.decider.trip(cause);
         }
-        if self.links.phase.take_host() {
+        if self.links.phase.host_heard.take() {
             self.decider.host_heard();
         }
         if matches!(self.decider.controller().state(), RunState::Running | RunState::Testing) {
@@ -236,9 +235,9 @@ impl<'a, B: ControlBoard<N>, const N: usize> ControlLoop<'a, B, N> {
         match command {
             // Not before: a start that is refused must not disturb the run.
             Command::Start => board.restart(),
-            Command::SelfTest(_) => links.phase.ask_proof(),
+            Command::SelfTest(_) => links.phase.proof_due.raise(),
             Command::Acknowledge => {
-                board.acknowledge_crash();
+                woken.acknowledged = true;
                 // A bit flip has cleared its settings.
                 let has_forgotten = decider.controller().sample_period_s().is_none();
                 woken.settings |= links.phase.acknowledge(has_forgotten);
@@ -252,7 +251,7 @@ impl<'a, B: ControlBoard<N>, const N: usize> ControlLoop<'a, B, N> {
         let Self { decider, board, links, cut_off, woken, .. } = self;
         // Before the reasons for which others have lowered them.
         let held = board.holds_levels();
-        if links.interlock.take_expired() {
+        if links.interlock.expired.take() {
             decider.trip(Cause::Deadline);
         }
         if !held && !links.interlock.requests_trip() {
@@ -270,7 +269,7 @@ impl<'a, B: ControlBoard<N>, const N: usize> ControlLoop<'a, B, N> {
             decider.trip(Cause::Heater);
         }
         let is_tripped = matches!(tick.state, RunState::Tripped(_));
-        links.interlock.set_cut(cut_off.judge(is_tripped, readings));
+        links.interlock.cut.set(cut_off.judge(is_tripped, readings));
         board.select(decider.input());
         links.estimates.put_tick(decider, &tick);
         board.decided(decider, &tick);
@@ -287,18 +286,17 @@ impl<'a, B: ControlBoard<N>, const N: usize> ControlLoop<'a, B, N> {
 
     /// Says how things stand after a run.
     fn report(&mut self, shared: &mut ControlShared<'_, '_>) {
-        let Self { decider, board, links, kept_lockout, .. } = self;
+        let Self { decider, board, links, kept_lockout, woken, .. } = self;
         let (controller, status) = (decider.controller(), &mut *shared.status);
-        status.missed_estimates = links.estimates.missed();
-        status.lost_conversions = board.lost_conversions();
-        status.edge_to_pins_us = board.edge_to_pins_us();
+        status.missed_estimates = links.estimates.missed;
+        board.report(status);
         status.bit_flips = controller.bit_flips();
         status.armed = controller.is_armed();
         let lockout = controller.lockout();
         if lockout.words() != *kept_lockout {
             // Once a second, and with each trip.
             *kept_lockout = lockout.words();
-            board.keep_lockout(kept_lockout);
+            woken.lockout = true;
             status.history = lockout.history();
         }
         let state = controller.state();

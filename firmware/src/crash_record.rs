@@ -1,37 +1,43 @@
 //! Crash record in RAM that survives a reset: start counter, and cause of the last crash.
 //!
-//! The start of the firmware does not clear this RAM. The record has thirteen words:
-//!
-//! | word | |
-//! |---|---|
-//! | 0 | starts since power-on |
-//! | 1 | 0: no crash; 1: panic; 2: fault; bit 15: this firmware has asked for the reset that follows; in the upper half the length of the text |
-//! | 2 | line or address |
-//! | 3 … 10 | text |
-//! | 11 | complement of word 0: RAM is random after power-on, and the CRC alone would accept it once in 4·10⁹; changed by `LAYOUT` |
-//! | 12 | CRC-32 of the words before |
+//! The start of the firmware does not clear this RAM. The record is the postcard encoding of its
+//! fields between two words: the complement of the start counter, since RAM is random after
+//! power-on and the CRC alone would accept it once in 4·10⁹, and a CRC-32 of all before it.
 //!
 //! An invalid record, after power-on or a bit flip, counts as a first start.
 
-use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 use dr_core::control::{Cause, Lockout};
+use wire::settings::CHECK;
 use wire::{Crash, CrashKind, Name, ResetCause};
 
-/// Length of the record.
-pub const WORDS: usize = 13;
-const TEXT: core::ops::Range<usize> = 3..11;
+/// Room for the fields: two counts of five bytes at most, a text of 32, and five bytes more.
+const MOST_BYTES: usize = 48;
 
 /// What RAM keeps beside this record: a firmware that has been flashed over another one does not
 /// look for what that has not kept.
-const LAYOUT: u32 = 2;
-/// In word 1.
-const REQUESTED: u32 = 1 << 15;
+const LAYOUT: u32 = 3;
 
 /// The record as words in RAM.
-pub type CrashWords = [u32; WORDS];
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(C)]
+pub struct CrashWords {
+    /// Complement of the start counter, changed by `LAYOUT`.
+    complement: u32,
+    fields: [u8; MOST_BYTES],
+    check: u32,
+}
 
-/// Without a table: small, and fast enough for one use per start.
-const CHECK: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
+impl CrashWords {
+    /// Words that are no record.
+    pub const BLANK: Self = Self { complement: 0, fields: [0; MOST_BYTES], check: 0 };
+
+    fn sum(&self) -> u32 {
+        let mut digest = CHECK.digest();
+        digest.update(&self.complement.to_le_bytes());
+        digest.update(&self.fields);
+        digest.finalize()
+    }
+}
 
 /// Start counter, and the last crash.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -49,51 +55,20 @@ impl CrashRecord {
     pub const FIRST: Self = Self { starts: 1, crash: None, requested: false };
 
     /// Decodes a record; none if it is invalid.
-    pub fn read(record: &CrashWords) -> Option<Self> {
-        let [words @ .., check] = record;
-        let [starts, head, at, ..] = *words;
-        let complement = words.last().copied()?;
-        if check_of(words) != *check || complement != !starts ^ LAYOUT {
-            return None;
-        }
-        let requested = head & REQUESTED != 0;
-        let kind = match head & 0xffff & !REQUESTED {
-            0 => return Some(Self { starts, crash: None, requested }),
-            1 => CrashKind::Panic,
-            2 => CrashKind::Fault,
-            _ => return None,
-        };
-        let mut text = [0; 32];
-        for (bytes, word) in text.chunks_exact_mut(4).zip(words.get(TEXT)?) {
-            bytes.copy_from_slice(&word.to_le_bytes());
-        }
-        let text = text.get(..(head >> 16) as usize)?;
-        let file = Name::try_from(core::str::from_utf8(text).ok()?).ok()?;
-        Some(Self { starts, crash: Some(Crash { kind, file, at }), requested })
+    pub fn read(words: &CrashWords) -> Option<Self> {
+        let (starts, crash, requested) = postcard::from_bytes::<(u32, _, _)>(&words.fields).ok()?;
+        let is_valid = words.check == words.sum() && words.complement == !starts ^ LAYOUT;
+        is_valid.then_some(Self { starts, crash, requested })
     }
 
     /// Encodes the record.
+    #[inline(never)] // start, crash and acknowledgement share it
     pub fn record(&self) -> CrashWords {
-        let mut record = [0; WORDS];
-        let [words @ .., check] = &mut record;
-        let [starts, head, at, text @ .., complement] = words;
-        (*starts, *complement) = (self.starts, !self.starts ^ LAYOUT);
-        if let Some(crash) = &self.crash {
-            let kind = match crash.kind {
-                CrashKind::Panic => 1,
-                CrashKind::Fault => 2,
-            };
-            *head = kind | (crash.file.len() as u32) << 16;
-            *at = crash.at;
-            for (word, bytes) in text.iter_mut().zip(crash.file.as_bytes().chunks(4)) {
-                let mut four = [0; 4];
-                four.iter_mut().zip(bytes).for_each(|(to, from)| *to = *from);
-                *word = u32::from_le_bytes(four);
-            }
-        }
-        *head |= if self.requested { REQUESTED } else { 0 };
-        *check = check_of(words);
-        record
+        let mut words = CrashWords { complement: !self.starts ^ LAYOUT, ..CrashWords::BLANK };
+        // It has room for the longest.
+        postcard::to_slice(&(self.starts, &self.crash, self.requested), &mut words.fields).ok();
+        words.check = words.sum();
+        words
     }
 
     /// The record to be kept from this start on: the next reset has not been asked for.
@@ -143,12 +118,6 @@ pub fn end_of(path: &str) -> Name {
     path.get(from..).and_then(|end| Name::try_from(end).ok()).unwrap_or_default()
 }
 
-fn check_of(words: &[u32]) -> u32 {
-    let mut digest = CHECK.digest();
-    words.iter().for_each(|word| digest.update(&word.to_le_bytes()));
-    digest.finalize()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -171,15 +140,21 @@ mod tests {
 
     #[test]
     fn a_flipped_bit_or_fresh_memory_is_a_first_start() {
-        for word in 0..WORDS {
-            for bit in 0..32 {
-                let mut record = past().record();
-                record[word] ^= 1 << bit;
-                assert_eq!(CrashRecord::after(&record), CrashRecord::FIRST, "word {word}, bit {bit}");
-            }
+        let flips: [fn(&mut CrashWords, u32); 2] =
+            [|words, bit| words.complement ^= 1 << bit, |words, bit| words.check ^= 1 << bit];
+        for (flip, bit) in flips.into_iter().flat_map(|flip| (0..32).map(move |bit| (flip, bit))) {
+            let mut words = past().record();
+            flip(&mut words, bit);
+            assert_eq!(CrashRecord::after(&words), CrashRecord::FIRST, "bit {bit}");
         }
-        for record in [[0; WORDS], [u32::MAX; WORDS]] {
-            assert_eq!(CrashRecord::read(&record), None);
+        for bit in 0..8 * MOST_BYTES {
+            let mut words = past().record();
+            words.fields[bit / 8] ^= 1 << (bit % 8);
+            assert_eq!(CrashRecord::after(&words), CrashRecord::FIRST, "bit {bit} of the fields");
+        }
+        let ones = CrashWords { complement: u32::MAX, fields: [u8::MAX; MOST_BYTES], check: u32::MAX };
+        for words in [CrashWords::BLANK, ones] {
+            assert_eq!(CrashRecord::read(&words), None);
         }
     }
 

@@ -32,7 +32,8 @@ pub type EstimateJob<const N: usize> = (Origin, Handover<N>);
 pub struct Estimates<'a, const N: usize> {
     queue: Producer<'a, EstimateJob<N>>,
     follows_gap: bool,
-    missed: u32,
+    /// Ticks that got lost.
+    pub missed: u32,
 }
 
 impl<'a, const N: usize> Estimates<'a, N> {
@@ -64,11 +65,6 @@ impl<'a, const N: usize> Estimates<'a, N> {
     /// Whether everything that was handed over has been estimated.
     pub fn is_drained(&self) -> bool {
         queue::is_empty(&self.queue)
-    }
-
-    /// Ticks that got lost.
-    pub const fn missed(&self) -> u32 {
-        self.missed
     }
 }
 

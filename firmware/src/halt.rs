@@ -1,34 +1,80 @@
 //! Panic and fault handlers: heaters to the low level first, then the crash record into RAM that
 //! survives the reset, then a log message, then a restart, tripped until it is acknowledged
 //! ([`firmware::crash_record`]).
+//!
+//! RAM keeps the record and the trip counter ([`dr_core::control::lockout`]) across a reset, since a
+//! start does not clear them.
 
 use crate::board;
-use crate::crash_memory::{self, read, write};
+use core::mem::MaybeUninit;
 use core::panic::PanicInfo;
 use cortex_m_rt::{ExceptionFrame, exception};
-use dr_core::control::Lockout;
-use firmware::crash_record::{self, CrashRecord};
+use dr_core::control::{Lockout, LockoutWords};
+use firmware::crash_record::{self, CrashRecord, CrashWords};
 use wire::{Crash, CrashKind, Name, ResetCause};
 
-/// Updates the crash record for this start; returns it with the reset cause. Called once per start.
-pub fn update_record(reset: ResetCause) -> (ResetCause, CrashRecord) {
-    let record = CrashRecord::after(&read());
-    write(&record.kept());
-    (board::reset_as_remembered(reset, &record), record)
+/// The start does not clear this section of the RAM.
+#[unsafe(link_section = ".uninit.CRASH_RECORD")]
+static mut RECORD: MaybeUninit<CrashWords> = MaybeUninit::uninit();
+
+/// Twice, since a reset may come in the middle of writing.
+type LockoutCopies = [LockoutWords; 2];
+
+#[unsafe(link_section = ".uninit.LOCKOUT")]
+static mut LOCKOUT: MaybeUninit<LockoutCopies> = MaybeUninit::uninit();
+
+/// The trip counter of before the reset, if one of its copies is whole.
+fn read_lockout() -> Option<Lockout> {
+    // SAFETY: any bits are words. Volatile, since the compiler sees no write to them. The start
+    // reads and writes them, when nothing else runs; then the control task alone.
+    let copies = unsafe { (&raw const LOCKOUT).cast::<LockoutCopies>().read_volatile() };
+    copies.iter().find_map(Lockout::read)
 }
 
-/// The trip counter after this reset: as it was, unless the supply or the reset pin has started the
+/// Writes the trip counter, one copy after the other.
+pub fn write_lockout(words: &LockoutWords) {
+    let copies = (&raw mut LOCKOUT).cast::<LockoutWords>();
+    for copy in 0..2 {
+        // SAFETY: as for reading; there are two of them.
+        unsafe { copies.add(copy).write_volatile(*words) }
+    }
+}
+
+/// The words as they stand in RAM.
+fn read() -> CrashWords {
+    // SAFETY: any bits are words. Volatile, since the compiler sees no write to them. Only the
+    // start and a crash write them, when nothing else runs, and the control task, which alone
+    // acknowledges.
+    unsafe { (&raw const RECORD).cast::<CrashWords>().read_volatile() }
+}
+
+fn write(words: CrashWords) {
+    // SAFETY: as for reading.
+    unsafe { (&raw mut RECORD).cast::<CrashWords>().write_volatile(words) }
+}
+
+/// Clears the record, as a loss of power does.
+#[cfg(feature = "emulated")]
+pub fn forget() {
+    write(CrashWords::BLANK);
+}
+
+/// Updates crash record and trip counter for this start; returns both, with the reset cause. Called
+/// once per start. The counter is as it was, unless the supply or the reset pin has started the
 /// board ([`CrashRecord::lockout`]).
-pub fn lockout_after(reset: ResetCause, past: &CrashRecord) -> Lockout {
-    let lockout = past.lockout(reset, crash_memory::read_lockout());
-    crash_memory::write_lockout(&lockout.words());
-    lockout
+pub fn begin(reset: ResetCause) -> (ResetCause, CrashRecord, Lockout) {
+    let record = CrashRecord::after(&read());
+    write(record.kept().record());
+    let reset = board::reset_as_remembered(reset, &record);
+    let lockout = record.lockout(reset, read_lockout());
+    write_lockout(&lockout.words());
+    (reset, record, lockout)
 }
 
 /// The crash has been acknowledged: the next start is one like any other.
 pub fn acknowledge() {
     if let Some(record) = CrashRecord::read(&read()) {
-        write(&CrashRecord { crash: None, ..record });
+        write(CrashRecord { crash: None, ..record }.record());
     }
 }
 
@@ -37,7 +83,7 @@ pub fn acknowledge() {
 fn remember(kind: CrashKind, file: Name, at: u32) {
     let record = CrashRecord::read(&read()).unwrap_or(CrashRecord::FIRST);
     let crash = record.crash.or(Some(Crash { kind, file, at }));
-    write(&CrashRecord { crash, requested: true, ..record });
+    write(CrashRecord { crash, requested: true, ..record }.record());
 }
 
 /// Ends this run of the firmware. Heaters first, in any case.

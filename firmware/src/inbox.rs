@@ -3,8 +3,9 @@
 //!
 //! One place for all links, so that a command means the same whichever way it came.
 
+use crate::flag::Flag;
 use crate::queue;
-use core::sync::atomic::{AtomicBool, AtomicU16, Ordering::Relaxed};
+use core::sync::atomic::{AtomicU16, Ordering::Relaxed};
 use dr_core::Command;
 use dr_core::control::Refusal;
 use heapless::spsc::Producer;
@@ -24,29 +25,15 @@ pub type SettingsJob = (u16, SettingsRequest);
 
 /// Requests that the transmitter carries out by itself.
 pub struct TelemetryRequests {
-    identity: AtomicBool,
+    /// The identity is requested. One reply serves several requests.
+    pub identity: Flag,
     telemetry_every: AtomicU16,
 }
 
 impl TelemetryRequests {
     /// After a start: the identity is requested, and a sample every tick.
     pub const fn starting() -> Self {
-        Self { identity: AtomicBool::new(true), telemetry_every: AtomicU16::new(1) }
-    }
-
-    /// Requests the identity.
-    pub fn ask_identity(&self) {
-        self.identity.store(true, Relaxed);
-    }
-
-    /// Whether the identity has been requested. One reply serves several requests.
-    pub fn take_identity(&self) -> bool {
-        // No read-modify-write: a request between the two is served by the reply under way.
-        let requested = self.identity.load(Relaxed);
-        if requested {
-            self.identity.store(false, Relaxed);
-        }
-        requested
+        Self { identity: Flag::new(true), telemetry_every: AtomicU16::new(1) }
     }
 
     /// A sample every so many ticks.
@@ -109,47 +96,37 @@ impl<'a> Inbox<'a> {
 
     /// Routes a message.
     pub fn accept(&mut self, received: &Received<ToBoard>) -> Wake {
-        match &received.message {
+        let to = received.sequence;
+        // Where the message has its place in a queue, if there is room.
+        let (queued, wake) = match &received.message {
             // Repeated requests do no harm: a host repeats them until it gets a reply.
             ToBoard::Hello => {
-                self.telemetry_requests.ask_identity();
-                Wake::Transmit
+                self.telemetry_requests.identity.raise();
+                return Wake::Transmit;
             }
-            _ if received.repeated => Wake::Nobody,
+            _ if received.repeated => return Wake::Nobody,
             // Ahead of the queue, which may be full.
-            ToBoard::Command(Command::Stop) => Wake::Stop(received.sequence),
-            ToBoard::Command(command) => {
-                let queued = queue::put(&mut self.requests, (received.sequence, *command)).is_ok();
-                self.wake_control_if(queued)
-            }
+            ToBoard::Command(Command::Stop) => return Wake::Stop(to),
+            ToBoard::Command(command) => (queue::put(&mut self.requests, (to, *command)).is_ok(), Wake::Control),
             ToBoard::Telemetry { every } => {
                 self.telemetry_requests.thin(*every);
-                Wake::Nobody
-            }
-            ToBoard::Readings(readings) if self.is_virtual => {
-                let queued = queue::put(&mut self.exchanges, (received.sequence, readings.clone())).is_ok();
-                self.wake_control_if(queued)
+                return Wake::Nobody;
             }
             ToBoard::Settings(request) => {
-                let queued = queue::put(&mut self.jobs, (received.sequence, request.clone())).is_ok();
-                if queued { Wake::SettingsServer } else { self.wake_control_if(false) }
+                (queue::put(&mut self.jobs, (to, request.clone())).is_ok(), Wake::SettingsServer)
             }
-            ToBoard::Finish { code } if self.is_virtual => Wake::Finish(*code),
-            ToBoard::Silence if self.is_virtual => Wake::Silence(received.sequence),
-            ToBoard::Provoke(what) if self.is_virtual => Wake::Provoke(*what),
+            ToBoard::Readings(readings) if self.is_virtual => {
+                (queue::put(&mut self.exchanges, (to, readings.clone())).is_ok(), Wake::Control)
+            }
+            ToBoard::Finish { code } if self.is_virtual => return Wake::Finish(*code),
+            ToBoard::Silence if self.is_virtual => return Wake::Silence(to),
+            ToBoard::Provoke(what) if self.is_virtual => return Wake::Provoke(*what),
             ToBoard::Readings(_) | ToBoard::Finish { .. } | ToBoard::Silence | ToBoard::Provoke(_) => {
-                self.wake_control_if(false)
+                (false, Wake::Nobody)
             }
-        }
-    }
-
-    /// Control has something to do if the message is in its queue; otherwise nobody has.
-    fn wake_control_if(&mut self, queued: bool) -> Wake {
-        if queued {
-            return Wake::Control;
-        }
-        self.refused = self.refused.wrapping_add(1);
-        Wake::Nobody
+        };
+        self.refused = self.refused.wrapping_add((!queued).into());
+        if queued { wake } else { Wake::Nobody }
     }
 }
 
@@ -235,7 +212,7 @@ mod tests {
             inbox.accept(&received(ToBoard::Telemetry { every: 0 }));
             assert!(!telemetry_requests.wants_sample(0));
             inbox.accept(&received(ToBoard::Hello));
-            assert!(telemetry_requests.take_identity() && !telemetry_requests.take_identity());
+            assert!(telemetry_requests.identity.take() && !telemetry_requests.identity.take());
         });
     }
 }

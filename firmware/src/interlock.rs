@@ -11,28 +11,31 @@
 //! Every value of a word is one that could have been set, or none: a bit that flips causes a trip
 //! or nothing, and no stop.
 
-use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
+use crate::flag::Flag;
+use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use dr_core::control::Cause;
 
 /// The words. One writer at a time: what a lower priority sets, a higher one may overwrite by
 /// another cause of the same effect.
 pub struct Interlock {
     trip: AtomicU32,
-    expired: AtomicBool,
+    /// The dead-man timer has expired, and has lowered the heaters.
+    pub expired: Flag,
     deadlines: AtomicU32,
     stop: AtomicU32,
-    cut: AtomicBool,
+    /// The platinum is to lose its supply, as control judges it.
+    pub cut: Flag,
 }
 
 impl Interlock {
     /// No reason.
-    pub const fn new() -> Self {
+    pub const fn released() -> Self {
         Self {
             trip: AtomicU32::new(0),
-            expired: AtomicBool::new(false),
+            expired: Flag::new(false),
             deadlines: AtomicU32::new(0),
             stop: AtomicU32::new(0),
-            cut: AtomicBool::new(false),
+            cut: Flag::new(false),
         }
     }
 
@@ -43,32 +46,17 @@ impl Interlock {
 
     /// Takes the cause of a request; it is returned once.
     pub fn take_trip(&self) -> Option<Cause> {
+        use Cause::{BrownOut, Clock, Fault, Memory, Panic, ProofTest, Restart, Watchdog};
         let word = self.trip.load(Relaxed).checked_sub(1)?;
         self.trip.store(0, Relaxed);
-        let known = [
-            Cause::Panic,
-            Cause::Fault,
-            Cause::Watchdog,
-            Cause::BrownOut,
-            Cause::Memory,
-            Cause::Clock,
-            Cause::ProofTest,
-            Cause::Restart,
-        ];
+        let known = [Panic, Fault, Watchdog, BrownOut, Memory, Clock, ProofTest, Restart];
         Some(known.into_iter().find(|&cause| cause as u32 == word).unwrap_or(Cause::BitFlip))
     }
 
     /// The dead-man timer has expired, and has lowered the heaters.
     pub fn expire(&self) {
-        self.expired.store(true, Relaxed);
+        self.expired.raise();
         self.deadlines.store(self.deadlines().wrapping_add(1), Relaxed);
-    }
-
-    /// Whether it has expired since the last call.
-    pub fn take_expired(&self) -> bool {
-        let has_expired = self.expired.load(Relaxed);
-        self.expired.store(false, Relaxed);
-        has_expired
     }
 
     /// How often it has expired.
@@ -78,16 +66,16 @@ impl Interlock {
 
     /// Lets the timer expire on purpose: afterwards it has not. Control must be held back.
     pub fn prove<R>(&self, test: impl FnOnce() -> R) -> R {
-        let (expired, deadlines) = (self.expired.load(Relaxed), self.deadlines());
+        let (expired, deadlines) = (self.expired.is_raised(), self.deadlines());
         let result = test();
-        self.expired.store(expired, Relaxed);
+        self.expired.set(expired);
         self.deadlines.store(deadlines, Relaxed);
         result
     }
 
     /// Whether a reason has come that has not been taken: no heater may stay high.
     pub fn forbids(&self) -> bool {
-        self.requests_trip() || self.expired.load(Relaxed)
+        self.requests_trip() || self.expired.is_raised()
     }
 
     /// Whether a trip has been requested that has not been taken.
@@ -106,22 +94,6 @@ impl Interlock {
         let sequence = word as u16;
         (word >> 16 == u32::from(!sequence)).then_some(sequence)
     }
-
-    /// Whether the platinum is to lose its supply, as control judges it.
-    pub fn set_cut(&self, cut: bool) {
-        self.cut.store(cut, Relaxed);
-    }
-
-    /// Whether the platinum is to lose its supply.
-    pub fn is_cut(&self) -> bool {
-        self.cut.load(Relaxed)
-    }
-}
-
-impl Default for Interlock {
-    fn default() -> Self {
-        Self::new()
-    }
 }
 
 #[cfg(test)]
@@ -130,7 +102,7 @@ mod tests {
 
     #[test]
     fn a_trip_is_handed_over_once_and_a_flipped_bit_makes_it_another() {
-        let interlock = Interlock::new();
+        let interlock = Interlock::released();
         assert_eq!((interlock.take_trip(), interlock.forbids()), (None, false));
         for cause in [Cause::Panic, Cause::Fault, Cause::Watchdog, Cause::BrownOut, Cause::Memory, Cause::BitFlip] {
             interlock.trip(cause);
@@ -139,29 +111,29 @@ mod tests {
             assert!(!interlock.forbids());
         }
         for bit in 0..32 {
-            let flipped = Interlock { trip: AtomicU32::new(1 << bit), ..Interlock::new() };
+            let flipped = Interlock { trip: AtomicU32::new(1 << bit), ..Interlock::released() };
             assert!(flipped.take_trip().is_some() && flipped.take_trip().is_none());
         }
     }
 
     #[test]
     fn an_expired_timer_forbids_until_it_is_taken_and_counts_but_for_proofs() {
-        let interlock = Interlock::new();
-        assert!(!interlock.take_expired());
+        let interlock = Interlock::released();
+        assert!(!interlock.expired.take());
         interlock.expire();
         assert!(interlock.forbids() && !interlock.requests_trip());
-        assert_eq!((interlock.take_expired(), interlock.take_expired(), interlock.deadlines()), (true, false, 1));
+        assert_eq!((interlock.expired.take(), interlock.expired.take(), interlock.deadlines()), (true, false, 1));
         interlock.prove(|| interlock.expire());
         assert_eq!((interlock.forbids(), interlock.deadlines()), (false, 1));
         // One that has expired before a proof is not forgotten by it.
         interlock.expire();
         interlock.prove(|| interlock.expire());
-        assert_eq!((interlock.take_expired(), interlock.deadlines()), (true, 2));
+        assert_eq!((interlock.expired.take(), interlock.deadlines()), (true, 2));
     }
 
     #[test]
     fn a_stop_is_taken_once_and_no_flipped_bit_is_one() {
-        let interlock = Interlock::new();
+        let interlock = Interlock::released();
         assert_eq!(interlock.take_stop(), None);
         for sequence in [0, 1, 0x1234, u16::MAX] {
             interlock.stop(sequence);

@@ -15,8 +15,17 @@ pub mod cut_off;
 pub mod dead_man;
 pub mod drivers;
 pub mod estimates;
+pub mod flag;
 pub mod inbox;
 pub mod interlock;
+/// Processors: the parts that need no hardware.
+pub mod mcu {
+    /// STM32F405.
+    pub mod stm32f4 {
+        pub mod circle;
+        pub mod reset_flags;
+    }
+}
 pub mod outbox;
 pub mod phase;
 pub mod proof;

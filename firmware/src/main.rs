@@ -17,24 +17,24 @@
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable)]
 
 mod board;
-mod crash_memory;
 mod fault_entry;
 mod halt;
+mod mcu;
 mod settings_loader;
-#[cfg(feature = "virtual-board")]
+#[cfg(feature = "emulated")]
 mod stack;
-mod ticking;
 mod vitals;
 
 use defmt as _;
 
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [])]
 mod app {
+    use super::board::table::{CONTROL, DEAD_MAN, ESTIMATE, RECEIVE, SETTINGS, TRANSMIT};
     use super::board::{self, ELEMENTS, FrontEnd, HostReceiver, HostTransmitter, Idler};
+    use super::halt;
+    use super::mcu::ticking;
     use super::settings_loader::SettingsLoader;
     use super::vitals::{self, CHECK_INS, Health, LoggedWind};
-    use super::{halt, ticking};
-    #[cfg(feature = "sensor-board")]
     use dr_core::control::Cause;
     use dr_core::{Command, Digest};
     use firmware::check_ins::Member;
@@ -47,35 +47,16 @@ mod app {
     use firmware::queue;
     use firmware::settings::{PendingFindings, SettingsServer};
     use heapless::spsc::{Consumer, Producer, Queue};
-    use stm32f4xx_hal::pac::Interrupt;
     use wire::{
         ControlStatus, FromBoard, LinkCounters, MAX_FRAME, Receiver, SettingsAnswer, SettingsRefusal, SettingsRequest,
         ToBoard, encode,
     };
 
-    /// The vector of `control`. On the sensor board the ADC's data-ready line raises it.
-    const CONTROL: Interrupt = Interrupt::EXTI4;
-    /// The vector of `receive`.
-    const RECEIVE: Interrupt = Interrupt::USART2;
-    /// The vector of `transmit`: of a peripheral that no board uses, raised by software alone.
-    ///
-    /// An asynchronous task would be spawned by name. But it is compiled into a machine that panics
-    /// when it is polled behind its end, which RTIC's executor does not do and the compiler cannot
-    /// see.
-    const TRANSMIT: Interrupt = Interrupt::SPI3;
-    /// The vector of `estimate`, of a peripheral that no board uses either.
-    const ESTIMATE: Interrupt = Interrupt::UART5;
-    /// The vector of `serve_settings`, likewise.
-    const SETTINGS: Interrupt = Interrupt::SPI2;
-
-    /// The vector of the dead-man timer. On the sensor board the timer raises it.
-    const DEAD_MAN: Interrupt = Interrupt::TIM5;
-
     /// Messages to the host that may wait; at 1 kHz and 921 600 baud the link needs 0.7 ms for a
     /// sample.
     const TELEMETRY_SLOTS: usize = 32;
 
-    static INTERLOCK: Interlock = Interlock::new();
+    static INTERLOCK: Interlock = Interlock::released();
     static PHASE: Phase = Phase::starting();
     static TELEMETRY_REQUESTS: TelemetryRequests = TelemetryRequests::starting();
 
@@ -135,9 +116,8 @@ mod app {
         let mut core = cx.core;
         let parts = board::init(cx.device, &mut core, exchanges);
         ticking::start(&mut core.SYST, board::CLOCK_HZ);
-        let (reset, past) = halt::update_record(parts.reset);
+        let (reset, past, lockout) = halt::begin(parts.reset);
         defmt::info!("{=str} on the {} board, started by {}", vitals::NAME, board::NAME, board::reset_name(reset));
-        let lockout = halt::lockout_after(reset, &past);
         if let Some(cause) = past.trip(reset) {
             INTERLOCK.trip(cause);
             PHASE.lock.standby(false);
@@ -171,7 +151,13 @@ mod app {
             Local {
                 control: ControlLoop::new(&board::HARDWARE_LIMITS, lockout, parts.front_end, links),
                 estimator: EstimateLoop::new(estimates, &TELEMETRY_REQUESTS),
-                loader: SettingsLoader::new(SettingsServer::new(parts.settings), order_in, outcomes),
+                loader: SettingsLoader {
+                    server: SettingsServer::new(parts.settings),
+                    orders: order_in,
+                    outcomes,
+                    lock: &PHASE.lock,
+                    telemetry: &TELEMETRY_REQUESTS,
+                },
                 jobs,
                 answers: answer_in,
                 answered,
@@ -204,7 +190,7 @@ mod app {
             }
             for &byte in cx.local.idler.wait() {
                 if let Some(received) = cx.local.bench.push::<ToBoard>(byte) {
-                    PHASE.hear_host();
+                    PHASE.host_heard.raise();
                     wake(cx.shared.inbox.lock(|inbox| inbox.accept(&received)));
                 }
             }
@@ -223,7 +209,7 @@ mod app {
 
     /// The supply falls: brown-out and reset may follow. Priority 6, as the dead-man timer. Raised
     /// by the voltage detector, and by `health` as long as the supply is low.
-    #[cfg(feature = "sensor-board")]
+    #[cfg(feature = "stm32f4")]
     #[task(binds = PVD, priority = 6)]
     fn supply_low(_: supply_low::Context) {
         board::heaters_low();
@@ -250,6 +236,12 @@ mod app {
                 cx.local.control.run(&mut ControlShared { outbox, outcomes, findings, status, estimated: *estimated })
             },
         );
+        if woken.acknowledged {
+            halt::acknowledge();
+        }
+        if woken.lockout {
+            halt::write_lockout(&cx.local.control.kept_lockout);
+        }
         for (is_woken, vector) in [(woken.transmit, TRANSMIT), (woken.estimate, ESTIMATE), (woken.settings, SETTINGS)] {
             if is_woken {
                 rtic::pend(vector);
@@ -274,7 +266,7 @@ mod app {
                 cx.shared.wind.lock(|last| *last = Some(LoggedWind::of(wind)));
             }
             if outcome.has_flipped {
-                INTERLOCK.trip(dr_core::control::Cause::BitFlip);
+                INTERLOCK.trip(Cause::BitFlip);
                 rtic::pend(CONTROL);
             }
             if let Some(message) = outcome.to_host {
@@ -301,7 +293,7 @@ mod app {
         let foreign = cx.local.link.counters().foreign;
         while let Some(byte) = cx.local.host_receiver.read() {
             if let Some(received) = cx.local.link.push::<ToBoard>(byte) {
-                PHASE.hear_host();
+                PHASE.host_heard.raise();
                 wake(cx.shared.inbox.lock(|inbox| inbox.accept(&received)));
             }
         }
@@ -309,7 +301,7 @@ mod app {
             && cx.local.link.counters().foreign != foreign
         {
             // Any frame of ours shows such a host our version.
-            TELEMETRY_REQUESTS.ask_identity();
+            TELEMETRY_REQUESTS.identity.raise();
             rtic::pend(TRANSMIT);
             defmt::warn!(
                 "the host speaks version {=u8} of the wire protocol, this board {=u8}",
@@ -326,7 +318,7 @@ mod app {
     fn bench(mut cx: bench::Context) {
         while let Some(byte) = board::read_bench_byte() {
             if let Some(received) = cx.local.bench.push::<ToBoard>(byte) {
-                PHASE.hear_host();
+                PHASE.host_heard.raise();
                 wake(cx.shared.inbox.lock(|inbox| inbox.accept(&received)));
             }
         }
@@ -341,9 +333,9 @@ mod app {
             CHECK_INS.check_in(Member::Transmit);
         }
         while host_transmitter.is_free() {
-            let mut number = || sequence.next(cx.shared.outbox.lock(|outbox| outbox.unsent()));
-            if TELEMETRY_REQUESTS.take_identity() {
-                if PHASE.is_acknowledged() {
+            let mut number = || sequence.next(cx.shared.outbox.lock(|outbox| outbox.unsent));
+            if TELEMETRY_REQUESTS.identity.take() {
+                if PHASE.acknowledged.is_raised() {
                     identity.crash = None;
                 }
                 transmit_one(host_transmitter, number(), &FromBoard::Identity(identity.clone()));
@@ -379,7 +371,7 @@ mod app {
         let serve_settings::LocalResources { loader, jobs, answers, .. } = cx.local;
         loop {
             CHECK_INS.check_in(Member::Settings);
-            if PHASE.take_set_up() {
+            if PHASE.set_up_due.take() {
                 set_up(loader);
             }
             if PHASE.lock.try_take() {
@@ -389,26 +381,25 @@ mod app {
                 resume();
             }
             let Some((to, request)) = jobs.dequeue() else { break };
-            let answer = if PHASE.lock.try_take() {
-                if request == SettingsRequest::Load {
+            let mut result = Err(SettingsRefusal::NotInStandby);
+            if PHASE.lock.try_take() {
+                let is_load = request == SettingsRequest::Load;
+                if is_load {
                     set_up(loader);
                 }
-                let answer = loader.server.answer(to, &request);
+                if !is_load || PHASE.set_up.is_raised() {
+                    result = loader.server.answer(&request);
+                }
                 resume();
-                let left_undone = request == SettingsRequest::Load && !PHASE.is_set_up();
-                if left_undone { SettingsAnswer { to, result: Err(SettingsRefusal::NotInStandby) } } else { answer }
-            } else {
-                SettingsAnswer { to, result: Err(SettingsRefusal::NotInStandby) }
-            };
+            }
             // A host that does not wait for replies loses some of them.
-            queue::put(answers, answer).ok();
+            queue::put(answers, SettingsAnswer { to, result }).ok();
             rtic::pend(TRANSMIT);
         }
     }
 
     fn set_up(loader: &mut SettingsLoader) {
-        let done = loader.set_up(&PHASE.lock, &TELEMETRY_REQUESTS, || rtic::pend(CONTROL));
-        PHASE.set_up(done);
+        PHASE.set_up.set(loader.set_up());
         resume();
     }
 
@@ -423,12 +414,12 @@ mod app {
     /// resets the board.
     #[task(binds = SysTick, priority = 3, local = [health], shared = [status, host_counters, inbox, outbox, control_status, wind])]
     fn health(mut cx: health::Context) {
-        if cx.local.health.beat(INTERLOCK.is_cut()) {
+        if cx.local.health.beat(INTERLOCK.cut.is_raised()) {
             let status = wire::Status {
-                uptime_s: cx.local.health.uptime_s(),
+                uptime_s: cx.local.health.uptime_s,
                 link: cx.shared.host_counters.lock(|counters| *counters),
                 refused: cx.shared.inbox.lock(|inbox| inbox.refused),
-                unsent: cx.shared.outbox.lock(|outbox| outbox.unsent()),
+                unsent: cx.shared.outbox.lock(|outbox| outbox.unsent),
                 deadlines: INTERLOCK.deadlines(),
                 control: cx.shared.control_status.lock(|status| status.clone()),
             };
@@ -437,20 +428,16 @@ mod app {
                 wind.log();
             }
         }
-        #[cfg(feature = "sensor-board")]
+        #[cfg(feature = "stm32f4")]
         if board::is_supply_low() {
-            rtic::pend(Interrupt::PVD);
+            rtic::pend(board::table::SUPPLY);
         }
-        rtic::pend(CONTROL);
-        rtic::pend(RECEIVE);
-        rtic::pend(TRANSMIT);
-        rtic::pend(ESTIMATE);
-        rtic::pend(SETTINGS);
+        [CONTROL, RECEIVE, TRANSMIT, ESTIMATE, SETTINGS].into_iter().for_each(rtic::pend);
     }
 
     /// Half of the sensor board's receive buffer is full, and the host is still speaking. Priority
     /// 4, as `receive`.
-    #[cfg(feature = "sensor-board")]
+    #[cfg(feature = "stm32f4")]
     #[task(binds = DMA1_STREAM5, priority = 4)]
     fn filled(_: filled::Context) {
         board::acknowledge_received();
@@ -459,7 +446,7 @@ mod app {
 
     /// The sensor board's transmitter has sent its frame: there may be more. Priority 3, as
     /// `transmit`.
-    #[cfg(feature = "sensor-board")]
+    #[cfg(feature = "stm32f4")]
     #[task(binds = DMA1_STREAM6, priority = 3)]
     fn sent(_: sent::Context) {
         board::acknowledge_sent();

@@ -10,7 +10,8 @@ use wire::FromBoard;
 /// The end of the queue at which messages are left.
 pub struct Outbox<'a> {
     queue: Producer<'a, FromBoard>,
-    unsent: u32,
+    /// Messages that found the queue full.
+    pub unsent: u32,
 }
 
 impl<'a> Outbox<'a> {
@@ -30,11 +31,6 @@ impl<'a> Outbox<'a> {
     /// Whether anything waits to be sent.
     pub fn waits(&self) -> bool {
         !queue::is_empty(&self.queue)
-    }
-
-    /// Messages that found the queue full.
-    pub const fn unsent(&self) -> u32 {
-        self.unsent
     }
 }
 
@@ -85,14 +81,14 @@ mod tests {
             }
             while let Some(message) = consumer.dequeue() {
                 let mut buffer = [0; MAX_FRAME];
-                for &byte in encode(sequence.next(outbox.unsent()), &message, &mut buffer).unwrap() {
+                for &byte in encode(sequence.next(outbox.unsent), &message, &mut buffer).unwrap() {
                     receiver.push::<FromBoard>(byte);
                 }
             }
         }
         let counters = receiver.counters();
         // 8 and 5 into a queue of 3 lose 5 and 2
-        assert_eq!(outbox.unsent(), 7);
+        assert_eq!(outbox.unsent, 7);
         assert_eq!(counters.messages + counters.lost, ticks);
     }
 }

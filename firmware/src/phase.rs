@@ -12,18 +12,23 @@
 //! While a set-up is due the standby lock is taken: no command of the host is carried out before
 //! it.
 
+use crate::flag::Flag;
 use crate::settings::StandbyLock;
-use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 /// The flags, with the standby lock.
 pub struct Phase {
     /// Excludes runs while settings are written or loaded.
     pub lock: StandbyLock,
-    set_up_is_due: AtomicBool,
-    is_set_up: AtomicBool,
-    proof_is_due: AtomicBool,
-    is_acknowledged: AtomicBool,
-    is_host_heard: AtomicBool,
+    /// A set-up is due.
+    pub set_up_due: Flag,
+    /// The set-up has come to its end.
+    pub set_up: Flag,
+    /// The dead-man timer is to be proved, as soon as all heaters are low.
+    pub proof_due: Flag,
+    /// A trip has been acknowledged since the start.
+    pub acknowledged: Flag,
+    /// The host has sent a frame.
+    pub host_heard: Flag,
 }
 
 impl Phase {
@@ -31,76 +36,32 @@ impl Phase {
     pub const fn starting() -> Self {
         Self {
             lock: StandbyLock::starting(),
-            set_up_is_due: AtomicBool::new(true),
-            is_set_up: AtomicBool::new(false),
-            proof_is_due: AtomicBool::new(true),
-            is_acknowledged: AtomicBool::new(false),
-            is_host_heard: AtomicBool::new(false),
+            set_up_due: Flag::new(true),
+            set_up: Flag::new(false),
+            proof_due: Flag::new(true),
+            acknowledged: Flag::new(false),
+            host_heard: Flag::new(false),
         }
-    }
-
-    /// Whether a set-up is due; said once.
-    pub fn take_set_up(&self) -> bool {
-        take(&self.set_up_is_due)
-    }
-
-    /// The set-up has come to its end, or was not possible.
-    pub fn set_up(&self, is_done: bool) {
-        self.is_set_up.store(is_done, Relaxed);
-    }
-
-    /// Whether the instrument has been set up.
-    pub fn is_set_up(&self) -> bool {
-        self.is_set_up.load(Relaxed)
     }
 
     /// A trip has been acknowledged. Returns whether a set-up is due, for which the settings server
     /// must be woken: of a board that has not been set up, or has forgotten its settings.
     pub fn acknowledge(&self, has_forgotten: bool) -> bool {
-        self.is_acknowledged.store(true, Relaxed);
-        let is_due = has_forgotten || !self.is_set_up();
+        self.acknowledged.raise();
+        let is_due = has_forgotten || !self.set_up.is_raised();
         if is_due {
             self.lock.take();
-            self.set_up_is_due.store(true, Relaxed);
+            self.set_up_due.raise();
         }
         is_due
     }
 
-    /// Whether a trip has been acknowledged since the start.
-    pub fn is_acknowledged(&self) -> bool {
-        self.is_acknowledged.load(Relaxed)
-    }
-
-    /// The dead-man timer is to be proved, as soon as all heaters are low.
-    pub fn ask_proof(&self) {
-        self.proof_is_due.store(true, Relaxed);
-    }
-
     /// Proves the dead-man timer if that is due; it stays due if `test` could not be made.
     pub fn prove(&self, test: impl FnOnce() -> bool) {
-        if self.proof_is_due.load(Relaxed) {
-            self.proof_is_due.store(!test(), Relaxed);
+        if self.proof_due.is_raised() {
+            self.proof_due.set(!test());
         }
     }
-
-    /// The host has sent a frame.
-    pub fn hear_host(&self) {
-        self.is_host_heard.store(true, Relaxed);
-    }
-
-    /// Whether the host has sent a frame since the last call.
-    pub fn take_host(&self) -> bool {
-        take(&self.is_host_heard)
-    }
-}
-
-/// Takes a flag; no read-modify-write, since what sets it in between is served all the same.
-fn take(flag: &AtomicBool) -> bool {
-    let is_set = flag.load(Relaxed);
-    if is_set {
-        flag.store(false, Relaxed);
-    }
-    is_set
 }
 
 #[cfg(test)]
@@ -110,13 +71,13 @@ mod tests {
     #[test]
     fn nothing_of_the_host_is_carried_out_while_a_set_up_is_due() {
         let phase = Phase::starting();
-        assert!(phase.lock.is_taken() && phase.take_set_up() && !phase.take_set_up());
-        phase.set_up(true);
+        assert!(phase.lock.is_taken() && phase.set_up_due.take() && !phase.set_up_due.take());
+        phase.set_up.raise();
         phase.lock.give_back();
-        assert!(!phase.acknowledge(false) && !phase.lock.is_taken() && phase.is_acknowledged());
+        assert!(!phase.acknowledge(false) && !phase.lock.is_taken() && phase.acknowledged.is_raised());
         // It has cleared its settings.
-        assert!(phase.acknowledge(true) && phase.lock.is_taken() && phase.take_set_up());
-        phase.set_up(false);
+        assert!(phase.acknowledge(true) && phase.lock.is_taken() && phase.set_up_due.take());
+        phase.set_up.set(false);
         phase.lock.give_back();
         assert!(phase.acknowledge(false) && phase.lock.is_taken(), "a set-up that was not possible is tried again");
     }
@@ -132,9 +93,9 @@ mod tests {
             });
         }
         assert_eq!(tests, 2);
-        phase.ask_proof();
+        phase.proof_due.raise();
         phase.prove(|| true);
-        phase.hear_host();
-        assert!(phase.take_host() && !phase.take_host());
+        phase.host_heard.raise();
+        assert!(phase.host_heard.take() && !phase.host_heard.take());
     }
 }

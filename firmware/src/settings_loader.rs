@@ -1,6 +1,6 @@
 //! The settings loader: sets the instrument up with the stored settings, command by command.
 
-use crate::board::SettingsFlash;
+use crate::board::{SettingsFlash, table};
 use crate::vitals::CHECK_INS;
 use dr_core::Command;
 use dr_core::control::{Refusal, SelfTestPlan};
@@ -15,38 +15,26 @@ use wire::{MOST_ELEMENTS, SettingsRefusal};
 pub struct SettingsLoader {
     /// The server of the stored settings.
     pub server: SettingsServer<SettingsFlash>,
-    orders: Producer<'static, Command>,
-    outcomes: Consumer<'static, Outcome>,
+    /// To the control task.
+    pub orders: Producer<'static, Command>,
+    /// Their results.
+    pub outcomes: Consumer<'static, Outcome>,
+    /// Taken while it sets up.
+    pub lock: &'static StandbyLock,
+    /// Samples that the host gets.
+    pub telemetry: &'static TelemetryRequests,
 }
 
 impl SettingsLoader {
-    /// A loader with these queues.
-    pub const fn new(
-        server: SettingsServer<SettingsFlash>,
-        orders: Producer<'static, Command>,
-        outcomes: Consumer<'static, Outcome>,
-    ) -> Self {
-        Self { server, orders, outcomes }
-    }
-
     /// Clears the instrument and applies the stored settings, all of them or nothing. The host's
     /// commands wait meanwhile ([`StandbyLock`]). Returns false if the instrument is tripped.
-    pub fn set_up(
-        &mut self,
-        busy: &StandbyLock,
-        telemetry_requests: &TelemetryRequests,
-        wake_control: impl Fn(),
-    ) -> bool {
-        let applied = match self.clear(busy, &wake_control) {
-            Ok(()) => self.apply(telemetry_requests, &wake_control),
-            Err(refused) => Err(refused),
-        };
-        match applied {
+    pub fn set_up(&mut self) -> bool {
+        match self.clear().and_then(|()| self.apply()) {
             Ok(()) => {}
             Err(SettingsRefusal::NotInStandby) => return false,
             Err(why) => {
                 // No half head.
-                self.clear(busy, &wake_control).ok();
+                self.clear().ok();
                 let why = if let SettingsRefusal::Unusable(why) = why { why.name() } else { "damaged, or other data" };
                 defmt::warn!("the settings in flash are not used: {=str}", why);
                 return true;
@@ -57,47 +45,43 @@ impl SettingsLoader {
             defmt::info!("settings with {=u16} commands applied", applied);
             // Without a pulse nothing heats; without an element nothing is tested.
             let plan = SelfTestPlan { pulse_s: None, unix_s: None };
-            self.send(Command::SelfTest(plan), &wake_control).ok();
+            self.send(Command::SelfTest(plan)).ok();
         }
         true
     }
 
-    fn clear(&mut self, busy: &StandbyLock, wake_control: &impl Fn()) -> Result<(), SettingsRefusal> {
+    fn clear(&mut self) -> Result<(), SettingsRefusal> {
         // `Clear` leaves the fingerprint, since a host sends it, too.
         let commands = [Command::Clear, Command::Fingerprint { resistance_ohm: [0.0; MOST_ELEMENTS] }];
-        let cleared = busy.is_standby() && commands.map(|command| self.send(command, wake_control)) == [Ok(()); 2];
+        let cleared = self.lock.is_standby() && commands.map(|command| self.send(command)) == [Ok(()); 2];
         if cleared { Ok(()) } else { Err(SettingsRefusal::NotInStandby) }
     }
 
     /// Reading a command takes some milliseconds; all other tasks have a higher priority and run
     /// meanwhile.
-    fn apply(
-        &mut self,
-        telemetry_requests: &TelemetryRequests,
-        wake_control: &impl Fn(),
-    ) -> Result<(), SettingsRefusal> {
+    fn apply(&mut self) -> Result<(), SettingsRefusal> {
         let preface = self.server.begin()?;
         while let Some(command) = self.server.next_command()? {
             CHECK_INS.check_in(Member::Settings);
-            self.send(command, wake_control).map_err(|refusal| match refusal {
+            self.send(command).map_err(|refusal| match refusal {
                 Refusal::Tripped(_) => SettingsRefusal::NotInStandby,
                 refusal => self.server.was_refused(refusal),
             })?;
         }
         if preface != Default::default() {
-            telemetry_requests.thin(preface.telemetry_every);
+            self.telemetry.thin(preface.telemetry_every);
         }
         Ok(())
     }
 
     /// Sends a command to the control task. Control or the estimator replies; both have a higher
     /// priority and run as soon as they are woken.
-    fn send(&mut self, command: Command, wake_control: &impl Fn()) -> Outcome {
+    fn send(&mut self, command: Command) -> Outcome {
         if queue::put(&mut self.orders, command).is_err() {
             // It has room for one, and commands are sent one at a time.
             return Ok(());
         }
-        wake_control();
+        rtic::pend(table::CONTROL);
         // This task is preempted by them within a few instructions. Should one of them be dead, the
         // watchdog ends this loop.
         loop {

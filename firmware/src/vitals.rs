@@ -2,7 +2,7 @@
 //! messages.
 
 use crate::board::{self, Watchdog};
-use crate::ticking::BEATS_PER_SECOND;
+use crate::mcu::ticking::BEATS_PER_SECOND;
 use dr_core::control::RunState;
 use dr_core::wind::{QualityFlags, WindTick};
 use firmware::azimuth::azimuth_deg;
@@ -20,7 +20,8 @@ pub static CHECK_INS: CheckIns = CheckIns::none();
 pub struct Health {
     watchdog: Watchdog,
     beats: u32,
-    uptime_s: u32,
+    /// Seconds since the start.
+    pub uptime_s: u32,
 }
 
 impl Health {
@@ -34,18 +35,10 @@ impl Health {
         if CHECK_INS.all_anew() {
             self.watchdog.feed(cut);
         }
-        self.beats += 1;
-        let second = self.beats >= BEATS_PER_SECOND;
-        if second {
-            self.beats = 0;
-            self.uptime_s = self.uptime_s.wrapping_add(1);
-        }
+        self.beats = (self.beats + 1) % BEATS_PER_SECOND;
+        let second = self.beats == 0;
+        self.uptime_s = self.uptime_s.wrapping_add(second.into());
         second
-    }
-
-    /// Seconds since the start.
-    pub const fn uptime_s(&self) -> u32 {
-        self.uptime_s
     }
 }
 

@@ -8,9 +8,12 @@
 #![no_std]
 #![no_main]
 
+#[allow(dead_code, reason = "no file is used here")]
+#[path = "../mcu/emulated/semihosting.rs"]
+mod semihosting;
+
 use core::hint::black_box;
 use cortex_m_rt::{ExceptionFrame, entry, exception};
-use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
 use dr_core::control::{Controller, Drive, ElementConfig, HardwareLimits, Heaters, Limits, Tick};
 use dr_core::model::{
     AlarmConfig, GainsConfig, NetworkCrossHeatingConfig, NetworkSelfHeatingConfig, RelaxationState, Relaxations,
@@ -24,6 +27,7 @@ use dr_core::wind::{
     WindVector,
 };
 use dr_core::{Command, Decider, Estimated, Estimator, Handover};
+use semihosting::exit;
 // For the table of interrupts, of which none is used.
 use stm32f4xx_hal as _;
 
@@ -39,113 +43,89 @@ const CONTROL_TICKS: u32 = 400;
 /// Output interval of the wind estimate, ticks.
 const OUTPUT_INTERVAL: u16 = 10;
 
-/// One compensated step of 8 relaxations, and the temperature that they amount to.
-#[unsafe(no_mangle)]
-#[inline(never)]
-fn relaxations_8_poles(poles: &Relaxations<8>, symbol: &Symbol<8>, state: &mut RelaxationState<8>, input: f32) -> f32 {
-    poles.step(state, input);
-    symbol.output(state)
-}
-
-/// All that the control task decides in a tick.
-#[unsafe(no_mangle)]
-#[inline(never)]
-fn control_6_elements(controller: &mut Controller<6>, readings: &[Reading; 6]) -> Tick<6> {
-    controller.tick(readings)
-}
-
-/// The same while the observers run.
-#[unsafe(no_mangle)]
-#[inline(never)]
-fn control_6_elements_observing(controller: &mut Controller<6>, readings: &[Reading; 6]) -> Tick<6> {
-    // A word of its own keeps the linker from merging it with the function above.
-    black_box(controller).tick(readings)
-}
-
-/// Six elements on a controller that has room for more.
-#[unsafe(no_mangle)]
-#[inline(never)]
-fn control_6_of_16(controller: &mut Controller<16>, readings: &[Reading; 16]) -> Tick<16> {
-    controller.tick(readings)
-}
-
-/// Thirteen elements.
-#[unsafe(no_mangle)]
-#[inline(never)]
-fn control_13_of_16(controller: &mut Controller<16>, readings: &[Reading; 16]) -> Tick<16> {
-    // A word of its own keeps the linker from merging it with the function above.
-    black_box(controller).tick(readings)
-}
-
-#[unsafe(no_mangle)]
-#[inline(never)]
-fn platinum_linear(platinum: &Platinum, resistance_ohm: f32) -> f32 {
-    platinum.temperature_c(resistance_ohm)
-}
-
-#[unsafe(no_mangle)]
-#[inline(never)]
-fn platinum_iec60751(platinum: &Platinum, resistance_ohm: f32) -> f32 {
-    // A word of its own keeps the linker from merging it with the function above.
-    black_box(platinum).temperature_c(resistance_ohm)
-}
-
-#[unsafe(no_mangle)]
-#[inline(never)]
-fn prbs_step(register: &mut Prbs) -> bool {
-    register.step()
-}
-
-#[unsafe(no_mangle)]
-#[inline(never)]
-fn sigma_delta_step(modulator: &mut SigmaDelta, delta: f32) -> bool {
-    modulator.step(delta)
-}
-
-#[unsafe(no_mangle)]
-#[inline(never)]
-fn decimator_push(decimator: &Decimator<2>, state: &mut DecimatorState<2>, power_w: f32) -> Option<f32> {
-    decimator.push(state, power_w)
-}
-
 type OfSectors = [Option<MeasuredConductance>; MOST_SURFACES];
 
-/// The wind from the conductances of four sectors.
-#[unsafe(no_mangle)]
-#[inline(never)]
-fn wind_4_sectors(head: &WindVector, state: &mut WindState, gas: &GasState, measured: &OfSectors) -> WindEstimate {
-    head.step(state, gas, measured)
+/// Makes kernels of functions: none is inlined, and each keeps its name in the image.
+macro_rules! kernels {
+    ($($(#[$about:meta])* fn $name:ident($($argument:ident: $kind:ty),*) -> $result:ty { $body:expr })*) => {
+        $($(#[$about])*
+        #[unsafe(no_mangle)]
+        #[inline(never)]
+        fn $name($($argument: $kind),*) -> $result {
+            $body
+        })*
+    };
 }
 
-/// The wind from the three that are left, or that are known well.
-#[unsafe(no_mangle)]
-#[inline(never)]
-fn wind_3_sectors(head: &WindVector, state: &mut WindState, gas: &GasState, measured: &OfSectors) -> WindEstimate {
-    // A word of its own keeps the linker from merging it with the function above.
-    black_box(head).step(state, gas, measured)
-}
+// A `black_box` keeps the linker from merging a kernel with one of the same code.
+kernels! {
+    /// One compensated step of 8 relaxations, and the temperature that they amount to.
+    fn relaxations_8_poles(
+        poles: &Relaxations<8>, symbol: &Symbol<8>, state: &mut RelaxationState<8>, input: f32
+    ) -> f32 {{
+        poles.step(state, input);
+        symbol.output(state)
+    }}
 
-/// Cost of a tick's estimate to the control task: the handover to the other task.
-#[unsafe(no_mangle)]
-#[inline(never)]
-fn handover_6_elements(decider: &Decider<ELEMENTS>, tick: &Tick<ELEMENTS>) -> Handover<ELEMENTS> {
-    decider.handover(tick, false)
-}
+    /// All that the control task decides in a tick.
+    fn control_6_elements(controller: &mut Controller<6>, readings: &[Reading; 6]) -> Tick<6> {
+        controller.tick(readings)
+    }
 
-/// The anemometer's half of a tick: quiescent-gas network of six elements with all cross-heating,
-/// and the wind of four sectors in every tick.
-#[unsafe(no_mangle)]
-#[inline(never)]
-fn anemometer_6_elements(estimator: &mut Estimator<ELEMENTS>, handover: &Handover<ELEMENTS>) -> Estimated {
-    estimator.take(handover)
-}
+    /// The same while the observers run.
+    fn control_6_elements_observing(controller: &mut Controller<6>, readings: &[Reading; 6]) -> Tick<6> {
+        black_box(controller).tick(readings)
+    }
 
-/// The same in ticks without an output.
-#[unsafe(no_mangle)]
-#[inline(never)]
-fn anemometer_between_outputs(estimator: &mut Estimator<ELEMENTS>, handover: &Handover<ELEMENTS>) -> Estimated {
-    // A word of its own keeps the linker from merging it with the function above.
-    black_box(estimator).take(handover)
+    /// Six elements on a controller that has room for more.
+    fn control_6_of_16(controller: &mut Controller<16>, readings: &[Reading; 16]) -> Tick<16> {
+        controller.tick(readings)
+    }
+
+    /// Thirteen elements.
+    fn control_13_of_16(controller: &mut Controller<16>, readings: &[Reading; 16]) -> Tick<16> {
+        black_box(controller).tick(readings)
+    }
+
+    fn platinum_linear(platinum: &Platinum, resistance_ohm: f32) -> f32 { platinum.temperature_c(resistance_ohm) }
+
+    fn platinum_iec60751(platinum: &Platinum, resistance_ohm: f32) -> f32 {
+        black_box(platinum).temperature_c(resistance_ohm)
+    }
+
+    fn prbs_step(register: &mut Prbs) -> bool { register.step() }
+
+    fn sigma_delta_step(modulator: &mut SigmaDelta, delta: f32) -> bool { modulator.step(delta) }
+
+    fn decimator_push(decimator: &Decimator<2>, state: &mut DecimatorState<2>, power_w: f32) -> Option<f32> {
+        decimator.push(state, power_w)
+    }
+
+    /// The wind from the conductances of four sectors.
+    fn wind_4_sectors(head: &WindVector, state: &mut WindState, gas: &GasState, measured: &OfSectors) -> WindEstimate {
+        head.step(state, gas, measured)
+    }
+
+    /// The wind from the three that are left, or that are known well.
+    fn wind_3_sectors(head: &WindVector, state: &mut WindState, gas: &GasState, measured: &OfSectors) -> WindEstimate {
+        black_box(head).step(state, gas, measured)
+    }
+
+    /// Cost of a tick's estimate to the control task: the handover to the other task.
+    fn handover_6_elements(decider: &Decider<ELEMENTS>, tick: &Tick<ELEMENTS>) -> Handover<ELEMENTS> {
+        decider.handover(tick, false)
+    }
+
+    /// The anemometer's half of a tick: quiescent-gas network of six elements with all
+    /// cross-heating, and the wind of four sectors in every tick.
+    fn anemometer_6_elements(estimator: &mut Estimator<ELEMENTS>, handover: &Handover<ELEMENTS>) -> Estimated {
+        estimator.take(handover)
+    }
+
+    /// The same in ticks without an output.
+    fn anemometer_between_outputs(estimator: &mut Estimator<ELEMENTS>, handover: &Handover<ELEMENTS>) -> Estimated {
+        black_box(estimator).take(handover)
+    }
 }
 
 /// Every kernel, or nothing if a configuration is refused.
@@ -183,7 +163,6 @@ fn measure() -> Option<()> {
     control(13, false, control_13_of_16)
 }
 
-/// Of the sphere on which the wind is counted.
 /// Wiring and limits of every element.
 fn element() -> Option<ElementConfig> {
     let platinum = Platinum::linear(175.0, 0.0031).ok()?;
@@ -197,6 +176,7 @@ fn reading(config: &ElementConfig, temperature_c: f32, is_high: bool) -> Reading
     Reading::Code((config.channel.platinum().resistance_ohm(temperature_c) * current_a / VOLT_PER_CODE) as i32)
 }
 
+/// Of the sphere on which the wind is counted.
 const DIAMETER_M: f32 = 0.01;
 
 /// a_0 and a_1 of about the right size; for what it costs no more is needed.
@@ -209,12 +189,17 @@ fn nusselt() -> NusseltConfig {
     NusseltConfig { least_reynolds: 1.0, most_reynolds: 200.0, amplitudes }
 }
 
-/// No wind, where the steps are most, and winds of 1 to 11 m/s from all sides, on a sphere of 10 mm
-/// in carbon dioxide of 700 Pa and 220 K.
-fn wind() -> Option<()> {
+/// A sphere of 10 mm in carbon dioxide of 700 Pa and 220 K.
+fn sphere_in_gas() -> Option<(WindVector, GasState)> {
     let surfaces = wind::sphere::tetrahedral_sectors(DIAMETER_M);
     let vector = WindVector::new(HeadForm::Sphere, &nusselt(), &surfaces, DIAMETER_M, 0.5).ok()?;
-    let gas = GasState::new(0.0168, 11.05e-6, 10.84e-3).ok()?;
+    Some((vector, GasState::new(0.0168, 11.05e-6, 10.84e-3).ok()?))
+}
+
+/// No wind, where the steps are most, and winds of 1 to 11 m/s from all sides.
+fn wind() -> Option<()> {
+    let surfaces = wind::sphere::tetrahedral_sectors(DIAMETER_M);
+    let (vector, gas) = sphere_in_gas()?;
     let mut state = WindState::default();
     let mut sign = 1.0;
     for n in 0..12_u8 {
@@ -340,10 +325,7 @@ fn anemometer() -> Option<()> {
     send(Command::Arm { window_s: 1.0 })?;
     send(Command::Start)?;
 
-    let vector =
-        WindVector::new(HeadForm::Sphere, &nusselt(), &wind::sphere::tetrahedral_sectors(DIAMETER_M), DIAMETER_M, 0.5)
-            .ok()?;
-    let gas = GasState::new(0.0168, 11.05e-6, 10.84e-3).ok()?;
+    let (vector, gas) = sphere_in_gas()?;
     let mut temperature_c = [-30.0_f32; ELEMENTS];
     let mut heaters = Heaters::default();
     for n in 0..CONTROL_TICKS {
@@ -418,22 +400,15 @@ fn control<const N: usize>(
 
 #[entry]
 fn main() -> ! {
-    exit(measure().is_some())
-}
-
-/// Ends the emulator with a status.
-fn exit(good: bool) -> ! {
-    loop {
-        debug::exit(if good { EXIT_SUCCESS } else { EXIT_FAILURE });
-    }
+    exit(measure().is_none().into())
 }
 
 #[exception]
 unsafe fn HardFault(_: &ExceptionFrame) -> ! {
-    exit(false)
+    exit(1)
 }
 
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo) -> ! {
-    exit(false)
+    exit(1)
 }

@@ -8,16 +8,19 @@
 #![no_std]
 #![no_main]
 
-#[allow(dead_code, reason = "no supply is lost here")]
-#[path = "../crash_memory.rs"]
-mod crash_memory;
 #[path = "../fault_entry.rs"]
 mod fault_entry;
 #[allow(dead_code, reason = "the crash record is not read here")]
 #[path = "../halt.rs"]
 mod halt;
-#[path = "../board/virtual_log.rs"]
-mod virtual_log;
+#[allow(dead_code, reason = "no file is read here")]
+#[path = "../mcu"]
+mod mcu {
+    pub mod emulated {
+        pub mod semihosting;
+        mod virtual_log;
+    }
+}
 
 use core::arch::asm;
 use core::hint::black_box;
@@ -25,6 +28,7 @@ use core::sync::atomic::AtomicU32;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::syscall;
 use defmt as _;
+use mcu::emulated::semihosting::exit;
 // For the table of interrupts, of which none is used.
 use stm32f4xx_hal as _;
 
@@ -38,7 +42,7 @@ const FAULTED: u32 = 102;
 
 /// The functions of a board that the fault handler calls.
 mod board {
-    use super::{PATTERN, WITNESS};
+    use super::{PATTERN, WITNESS, exit};
     use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
     use firmware::crash_record::CrashRecord;
     use wire::ResetCause;
@@ -55,7 +59,7 @@ mod board {
 
     pub fn restart() -> ! {
         let whole = WITNESS.iter().all(|word| word.load(Relaxed) == PATTERN);
-        super::exit(if whole && HEATERS_LOW.load(Relaxed) { super::FAULTED } else { 1 })
+        exit(if whole && HEATERS_LOW.load(Relaxed) { super::FAULTED } else { 1 })
     }
 }
 
@@ -92,16 +96,4 @@ fn stack_end() -> u32 {
         static _stack_end: u32;
     }
     &raw const _stack_end as u32
-}
-
-fn exit(code: u32) -> ! {
-    /// ADP_Stopped_ApplicationExit, the reason that carries a code, and the call that takes it.
-    const APPLICATION_EXIT: u32 = 0x2_0026;
-    const SYS_EXIT_EXTENDED: usize = 0x20;
-    let block = [APPLICATION_EXIT, code];
-    // SAFETY: it reads the two words of the block and does not come back.
-    unsafe { cortex_m_semihosting::syscall1(SYS_EXIT_EXTENDED, block.as_ptr() as usize) };
-    loop {
-        cortex_m::asm::nop();
-    }
 }

@@ -10,22 +10,24 @@
 #![no_main]
 
 #[allow(dead_code, reason = "only the frequency is used here")]
-#[path = "../board/sensor_board/clocks.rs"]
+#[path = "../mcu/stm32f4/clocks.rs"]
 mod clocks;
-#[path = "../board/sensor_board/memory_protection.rs"]
+#[path = "../mcu/stm32f4/memory_protection.rs"]
 mod memory_protection;
-#[path = "../ticking.rs"]
+#[allow(dead_code, reason = "no place of a file is sought here")]
+#[path = "../mcu/emulated/semihosting.rs"]
+mod semihosting;
+#[path = "../mcu/ticking.rs"]
 mod ticking;
 
 use core::arch::naked_asm;
-use core::ffi::CStr;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use cortex_m::asm::isb;
 use cortex_m::peripheral::{NVIC, SCB, SYST};
 use cortex_m_rt::{ExceptionFrame, entry, exception};
-use cortex_m_semihosting::debug::{EXIT_SUCCESS, exit};
-use cortex_m_semihosting::{nr, syscall};
+use cortex_m_semihosting::nr;
 use rtic::export::{cortex_logical2hw, lock, run};
+use semihosting::{File, exit};
 use stm32f4xx_hal::pac::{Interrupt, NVIC_PRIO_BITS, interrupt};
 
 // What is tried.
@@ -202,76 +204,58 @@ fn tick(syst: &mut SYST) -> u32 {
 fn main() -> ! {
     // SAFETY: nobody else has them.
     let mut core = unsafe { cortex_m::Peripherals::steal() };
-    // SAFETY: SYS_OPEN reads a name of the given length.
-    let open = |name: &CStr, mode: usize| unsafe { syscall!(OPEN, name.as_ptr(), mode, name.count_bytes()) };
-    let trials = open(c"to-board.fifo", nr::open::R_BINARY);
-    let verdicts = open(c"from-board.fifo", nr::open::W_TRUNC_BINARY);
-    let mut words = [0_u32; 3];
-    // SAFETY: SYS_READ writes at most so many bytes; it gives the number that is missing.
-    while unsafe { syscall!(READ, trials, words.as_mut_ptr(), size_of_val(&words)) } == 0 {
-        let [trial, first, second] = words;
+    let trials = File::open(c"to-board.fifo", nr::open::R_BINARY);
+    let verdicts = File::open(c"from-board.fifo", nr::open::W_TRUNC_BINARY);
+    let (Some(trials), Some(verdicts)) = (trials, verdicts) else { exit(1) };
+    let mut words = [[0; 4]; 3];
+    while trials.read(words.as_flattened_mut()) == size_of_val(&words) {
+        let [trial, first, second] = words.map(u32::from_le_bytes);
         [&ORDER, &FLOATS].into_iter().chain(&FAULT).for_each(|word| word.store(0, Relaxed));
         // SAFETY: a fault ends the function that is called, and what is stored was there before or
         // is put back.
-        let values = unsafe {
+        let mut values = [0; 2];
+        unsafe {
             match trial {
-                LOAD => [load(first), 0],
+                LOAD => values[0] = load(first),
                 STORE => {
                     let before = load(first);
                     FAULT.iter().for_each(|word| word.store(0, Relaxed));
                     store(first, before);
-                    [0; 2]
                 }
-                JUMP => {
-                    jump(first);
-                    [0; 2]
-                }
-                INSTRUCTION => {
-                    INSTRUCTIONS.get(first as usize).into_iter().for_each(|function| function());
-                    [0; 2]
-                }
+                JUMP => jump(first),
+                INSTRUCTION => INSTRUCTIONS.get(first as usize).into_iter().for_each(|function| function()),
                 JUMP_IN_FAULT => {
                     JUMP_FROM_FAULT.store(CODE_IN_RAM.as_ptr() as u32 | 1, Relaxed);
                     undefined();
-                    [0; 2]
                 }
                 EXCHANGE => {
                     let before = load(first);
                     store(first, second);
-                    let after = load(first);
+                    values = [load(first), before];
                     store(first, before);
-                    [after, before]
                 }
                 PRIORITIES => {
                     let [outer, inner, ceiling, _] = first.to_le_bytes();
                     preempt(&mut core.NVIC, outer, inner, ceiling);
-                    [ORDER.load(Relaxed), FLOATS.load(Relaxed)]
+                    values = [ORDER.load(Relaxed), FLOATS.load(Relaxed)];
                 }
                 TICK => {
                     let reload = tick(&mut core.SYST);
-                    [ORDER.load(Relaxed), reload]
+                    values = [ORDER.load(Relaxed), reload];
                 }
-                PROTECT => {
-                    memory_protection::start(&core.MPU);
-                    [0; 2]
-                }
-                _ => [u32::MAX; 2],
+                PROTECT => memory_protection::start(&core.MPU),
+                _ => values = [u32::MAX; 2],
             }
-        };
+        }
         let [value, other] = values;
         let [status, hard, memory, bus, place] = FAULT.each_ref().map(|word| word.load(Relaxed));
-        let verdict = [value, other, status, hard, memory, bus, place];
-        // SAFETY: SYS_WRITE reads so many bytes.
-        unsafe { syscall!(WRITE, verdicts, verdict.as_ptr(), size_of_val(&verdict)) };
+        let verdict = [value, other, status, hard, memory, bus, place].map(u32::to_le_bytes);
+        verdicts.write(verdict.as_flattened());
     }
-    loop {
-        exit(EXIT_SUCCESS);
-    }
+    exit(0)
 }
 
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo) -> ! {
-    loop {
-        exit(cortex_m_semihosting::debug::EXIT_FAILURE);
-    }
+    exit(1)
 }

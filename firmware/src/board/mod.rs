@@ -1,8 +1,9 @@
-//! The two boards. They differ in front end, clock set-up and log transport, and in nothing else:
-//! both offer the same names to the application.
+//! The boards, a folder each: pins, vectors and limits in its `table.rs`, the front end, the start.
+//! All offer the same names to the application; what belongs to a processor is in [`crate::mcu`].
 //!
 //! | name | what it is |
 //! |---|---|
+//! | `table` | its pins, vectors and limits |
 //! | `ELEMENTS` | how many it can drive |
 //! | `HARDWARE_LIMITS` | what no message can lift |
 //! | `init` | clocks, pins and peripherals; returns `BoardParts` |
@@ -19,8 +20,6 @@
 #[cfg(all(feature = "sensor-board", feature = "virtual-board"))]
 compile_error!("choose one board: --features sensor-board or --features virtual-board");
 
-mod parts;
-
 #[cfg(feature = "sensor-board")]
 mod sensor_board;
 #[cfg(feature = "sensor-board")]
@@ -29,11 +28,27 @@ pub use sensor_board::*;
 #[cfg(feature = "virtual-board")]
 mod virtual_board;
 #[cfg(feature = "virtual-board")]
-mod virtual_log;
-#[cfg(feature = "virtual-board")]
 pub use virtual_board::*;
 
 use wire::ResetCause;
+
+/// What the start-up of a board hands to the application.
+pub struct BoardParts {
+    /// Readings in, heaters out.
+    pub front_end: FrontEnd,
+    /// Bytes from the host.
+    pub host_receiver: HostReceiver,
+    /// Frames to the host.
+    pub host_transmitter: HostTransmitter,
+    /// Resets the board unless it is fed.
+    pub watchdog: Watchdog,
+    /// What to do when there is nothing to do.
+    pub idler: Idler,
+    /// Where settings are kept.
+    pub settings: SettingsFlash,
+    /// Why the processor started.
+    pub reset: ResetCause,
+}
 
 // What hosts judge an experiment by.
 const _: () = assert!(ELEMENTS == KIND.elements());

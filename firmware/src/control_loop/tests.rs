@@ -62,18 +62,10 @@ impl ControlBoard<1> for MockBoard<'_> {
     fn take_fault(&mut self) -> Option<Cause> {
         None
     }
-    fn lost_conversions(&self) -> u32 {
-        0
-    }
-    fn edge_to_pins_us(&self) -> u32 {
-        0
-    }
     fn reply(&mut self, estimated: Option<(Digest, bool)>) -> Option<FromBoard> {
         self.drained.push(estimated.is_some());
         None
     }
-    fn keep_lockout(&mut self, _: &LockoutWords) {}
-    fn acknowledge_crash(&mut self) {}
 }
 
 /// What a test has in its hands.
@@ -200,7 +192,7 @@ fn trip(cause: Cause) -> RunState {
 
 #[test]
 fn a_timer_that_expires_while_levels_are_set_lowers_them_and_the_next_tick_trips() {
-    let (interlock, phase, expires) = (Interlock::new(), Phase::starting(), Cell::new(false));
+    let (interlock, phase, expires) = (Interlock::released(), Phase::starting(), Cell::new(false));
     let meanwhile = || {
         if expires.take() {
             interlock.expire();
@@ -219,7 +211,7 @@ fn a_timer_that_expires_while_levels_are_set_lowers_them_and_the_next_tick_trips
 
 #[test]
 fn a_requested_trip_comes_before_the_commands_that_wait() {
-    let (interlock, phase) = (Interlock::new(), Phase::starting());
+    let (interlock, phase) = (Interlock::released(), Phase::starting());
     with_bench(None, &interlock, &phase, |bench| {
         bench.set_up();
         bench.tell(Command::Arm { window_s: 10.0 }).unwrap();
@@ -231,7 +223,7 @@ fn a_requested_trip_comes_before_the_commands_that_wait() {
 
 #[test]
 fn a_pin_that_does_not_hold_trips_unless_somebody_has_lowered_it() {
-    let (interlock, phase) = (Interlock::new(), Phase::starting());
+    let (interlock, phase) = (Interlock::released(), Phase::starting());
     with_bench(None, &interlock, &phase, |bench| {
         bench.start();
         bench.control.board.holds.set(false);
@@ -249,7 +241,7 @@ fn a_pin_that_does_not_hold_trips_unless_somebody_has_lowered_it() {
 
 #[test]
 fn a_stop_makes_void_what_waits_and_commands_wait_for_the_settings() {
-    let (interlock, phase) = (Interlock::new(), Phase::starting());
+    let (interlock, phase) = (Interlock::released(), Phase::starting());
     with_bench(None, &interlock, &phase, |bench| {
         bench.start();
         bench.sent();
@@ -272,7 +264,7 @@ fn a_stop_makes_void_what_waits_and_commands_wait_for_the_settings() {
 
 #[test]
 fn ticks_that_find_the_queue_full_are_counted_and_the_next_one_says_so() {
-    let (interlock, phase) = (Interlock::new(), Phase::starting());
+    let (interlock, phase) = (Interlock::released(), Phase::starting());
     with_bench(None, &interlock, &phase, |bench| {
         bench.set_up();
         bench.estimate();
@@ -301,7 +293,7 @@ fn ticks_that_find_the_queue_full_are_counted_and_the_next_one_says_so() {
 
 #[test]
 fn estimates_come_after_the_sample_of_their_tick_and_replies_of_the_anemometer_to_who_asked() {
-    let (interlock, phase) = (Interlock::new(), Phase::starting());
+    let (interlock, phase) = (Interlock::released(), Phase::starting());
     with_bench(None, &interlock, &phase, |bench| {
         bench.set_up();
         let gains =

@@ -102,19 +102,20 @@ pub const SUPPLY_CODES: [i32; CHANNELS] = {
 
 /// The chip on its SPI device, with its reset pin.
 #[derive(Debug)]
-pub struct Ads131e06<SPI, RST> {
+pub struct Ads131e06<SPI, RST, D> {
     spi: SPI,
     reset: RST,
+    delay: D,
     /// Of each channel, as measured with its inputs shorted; taken off the codes of every frame.
     offsets: [i32; CHANNELS],
     /// What each of [`Register::SET`] should hold.
     written: [u8; Register::SET.len()],
 }
 
-impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
+impl<SPI: SpiDevice, RST: OutputPin, D: DelayNs> Ads131e06<SPI, RST, D> {
     /// The chip as it is, before [`initialise`](Self::initialise). `reset` is active low.
-    pub const fn new(spi: SPI, reset: RST) -> Self {
-        Self { spi, reset, offsets: [0; CHANNELS], written: [0; Register::SET.len()] }
+    pub const fn new(spi: SPI, reset: RST, delay: D) -> Self {
+        Self { spi, reset, delay, offsets: [0; CHANNELS], written: [0; Register::SET.len()] }
     }
 
     /// Brings the chip from any state to continuous conversion at `rate`. Takes 0.4 s (4 kSPS) or
@@ -124,40 +125,29 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
     /// Another chip or none, a register that does not hold what was written, a data-ready line that
     /// stays where it is, an offset beyond [`OFFSET_LIMIT`], or a bus or pin that failed. The chip
     /// then sends no conversions.
-    pub fn initialise(
-        &mut self,
-        rate: DataRate,
-        data_ready: &mut impl InputPin,
-        delay: &mut impl DelayNs,
-    ) -> Result<(), AdcError> {
-        self.reset(delay)?;
+    pub fn initialise(&mut self, rate: DataRate, data_ready: &mut impl InputPin) -> Result<(), AdcError> {
+        self.reset().map_err(|_| AdcError::ResetPin)?;
         // After a reset the chip sends data of its own accord, and would take no register command.
-        self.command(command::SDATAC, delay)?;
-        let identity = self.read_register(Register::Id, delay)?;
-        if identity != IDENTITY {
-            return Err(AdcError::WrongChip { identity });
+        self.command(command::SDATAC)?;
+        let mut identity = [0];
+        self.access(command::RREG, 1, Operation::TransferInPlace(&mut identity))?;
+        if identity != [IDENTITY] {
+            return Err(AdcError::WrongChip { identity: identity[0] });
         }
 
-        let common = [
-            (Register::Config1, config1(rate)),
-            (Register::Config2, 0xE0),
-            // Reference buffer on, 4 V; the spare amplifier off.
-            (Register::Config3, 0xE0),
-            (Register::Fault, 0x00),
-        ];
-        for (register, value) in common {
-            self.write_register(register, value, delay)?;
-        }
-        self.connect(AdcInput::Shorted, delay)?;
-        self.read_back(delay)?;
+        self.write_register(Register::Config1, config1(rate))?;
+        self.write_register(Register::Config2, 0xE0)?;
+        // Reference buffer on, 4 V; the spare amplifier off.
+        self.write_register(Register::Config3, 0xE0)?;
+        self.write_register(Register::Fault, 0x00)?;
+        self.connect(AdcInput::Shorted)?;
+        self.read_back()?;
 
-        delay.delay_ms(REFERENCE_MS);
-        self.measure_offsets(rate, data_ready, delay)?;
+        self.delay.delay_ms(REFERENCE_MS);
+        self.measure_offsets(rate, data_ready)?;
 
-        self.connect(AdcInput::Pins, delay)?;
-        self.read_back(delay)?;
-        self.command(command::START, delay)?;
-        self.command(command::RDATAC, delay)
+        self.connect(AdcInput::Pins)?;
+        self.convert()
     }
 
     /// Changes the data rate of a chip that converts already. Takes 0.1 ms; the offsets are those
@@ -166,13 +156,10 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
     /// # Errors
     /// A register that does not hold what was written, or a bus that failed. The chip is then not
     /// converting, or not at this rate; another call may find it better.
-    pub fn set_rate(&mut self, rate: DataRate, delay: &mut impl DelayNs) -> Result<(), AdcError> {
-        self.command(command::SDATAC, delay)?;
-        self.command(command::STOP, delay)?;
-        self.write_register(Register::Config1, config1(rate), delay)?;
-        self.read_back(delay)?;
-        self.command(command::START, delay)?;
-        self.command(command::RDATAC, delay)
+    pub fn set_rate(&mut self, rate: DataRate) -> Result<(), AdcError> {
+        self.stop()?;
+        self.write_register(Register::Config1, config1(rate))?;
+        self.convert()
     }
 
     /// Connects all converters of a chip that converts already to something else. Takes 0.2 ms,
@@ -181,13 +168,22 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
     /// # Errors
     /// A register that does not hold what was written, or a bus that failed. The chip is then not
     /// converting; another call may find it better.
-    pub fn select(&mut self, input: AdcInput, delay: &mut impl DelayNs) -> Result<(), AdcError> {
-        self.command(command::SDATAC, delay)?;
-        self.command(command::STOP, delay)?;
-        self.connect(input, delay)?;
-        self.read_back(delay)?;
-        self.command(command::START, delay)?;
-        self.command(command::RDATAC, delay)
+    pub fn select(&mut self, input: AdcInput) -> Result<(), AdcError> {
+        self.stop()?;
+        self.connect(input)?;
+        self.convert()
+    }
+
+    fn stop(&mut self) -> Result<(), AdcError> {
+        self.command(command::SDATAC)?;
+        self.command(command::STOP)
+    }
+
+    /// Converts from now on, with registers that hold what was written to them.
+    fn convert(&mut self) -> Result<(), AdcError> {
+        self.read_back()?;
+        self.command(command::START)?;
+        self.command(command::RDATAC)
     }
 
     /// Reads all registers back from a chip that converts, which goes on with that. Takes
@@ -195,10 +191,10 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
     ///
     /// # Errors
     /// The first register that does not hold what was written to it, or a bus that failed.
-    pub fn verify(&mut self, delay: &mut impl DelayNs) -> Result<(), AdcError> {
-        self.command(command::SDATAC, delay)?;
-        let kept = self.read_back(delay);
-        self.command(command::RDATAC, delay)?;
+    pub fn verify(&mut self) -> Result<(), AdcError> {
+        self.command(command::SDATAC)?;
+        let kept = self.read_back();
+        self.command(command::RDATAC)?;
         kept
     }
 
@@ -223,33 +219,28 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
         Ok(codes)
     }
 
-    fn reset(&mut self, delay: &mut impl DelayNs) -> Result<(), AdcError> {
-        self.reset.set_high().map_err(|_| AdcError::ResetPin)?;
-        delay.delay_ms(POWER_ON_MS);
-        self.reset.set_low().map_err(|_| AdcError::ResetPin)?;
-        delay.delay_us(RESET_LOW_US);
-        self.reset.set_high().map_err(|_| AdcError::ResetPin)?;
-        delay.delay_us(RESET_HIGH_US);
+    fn reset(&mut self) -> Result<(), RST::Error> {
+        self.reset.set_high()?;
+        self.delay.delay_ms(POWER_ON_MS);
+        self.reset.set_low()?;
+        self.delay.delay_us(RESET_LOW_US);
+        self.reset.set_high()?;
+        self.delay.delay_us(RESET_HIGH_US);
         Ok(())
     }
 
-    fn connect(&mut self, input: AdcInput, delay: &mut impl DelayNs) -> Result<(), AdcError> {
-        (0..CHANNELS as u8).try_for_each(|channel| self.write_register(Register::Channel(channel), input as u8, delay))
+    fn connect(&mut self, input: AdcInput) -> Result<(), AdcError> {
+        (0..CHANNELS as u8).try_for_each(|channel| self.write_register(Register::Channel(channel), input as u8))
     }
 
     /// Mean code of every channel with its inputs shorted; converts for the purpose and stops
     /// again.
-    fn measure_offsets(
-        &mut self,
-        rate: DataRate,
-        data_ready: &mut impl InputPin,
-        delay: &mut impl DelayNs,
-    ) -> Result<(), AdcError> {
+    fn measure_offsets(&mut self, rate: DataRate, data_ready: &mut impl InputPin) -> Result<(), AdcError> {
         // The first conversion after it is settled.
-        self.command(command::START, delay)?;
+        self.command(command::START)?;
         let mut sums = [0; CHANNELS];
         for _ in 0..OFFSET_CONVERSIONS {
-            wait_for_conversion(rate, data_ready, delay)?;
+            self.wait_for_conversion(rate, data_ready)?;
             for (sum, code) in sums.iter_mut().zip(self.read_on_demand()?) {
                 *sum += code;
             }
@@ -258,7 +249,7 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
                 return Err(AdcError::DataReadyLow);
             }
         }
-        self.command(command::STOP, delay)?;
+        self.command(command::STOP)?;
         for (channel, (offset, sum)) in self.offsets.iter_mut().zip(sums).enumerate() {
             let mean = sum / OFFSET_CONVERSIONS;
             if mean.abs() > OFFSET_LIMIT {
@@ -267,6 +258,16 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
             *offset = mean;
         }
         Ok(())
+    }
+
+    fn wait_for_conversion(&mut self, rate: DataRate, data_ready: &mut impl InputPin) -> Result<(), AdcError> {
+        for _ in 0..LONGEST_PERIODS * rate.conversion_us() / LOOK_US {
+            if matches!(data_ready.is_low(), Ok(true)) {
+                return Ok(());
+            }
+            self.delay.delay_us(LOOK_US);
+        }
+        Err(AdcError::NoConversion)
     }
 
     fn read_on_demand(&mut self) -> Result<[i32; CHANNELS], AdcError> {
@@ -280,31 +281,23 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
         parse(&bytes)
     }
 
-    fn command(&mut self, opcode: u8, delay: &mut impl DelayNs) -> Result<(), AdcError> {
+    fn command(&mut self, opcode: u8) -> Result<(), AdcError> {
         self.transaction(&mut [Operation::Write(&[opcode]), Operation::DelayNs(DECODE_NS)])?;
-        delay.delay_us(DESELECTED_US);
+        self.delay.delay_us(DESELECTED_US);
         Ok(())
     }
 
-    fn write_register(&mut self, register: Register, value: u8, delay: &mut impl DelayNs) -> Result<(), AdcError> {
+    fn write_register(&mut self, register: Register, value: u8) -> Result<(), AdcError> {
         let place = usize::from(register.address()).wrapping_sub(1);
-        if let Some(written) = self.written.get_mut(place) {
-            *written = value;
-        }
-        self.access(command::WREG | register.address(), 1, Operation::Write(&[value]), delay)
-    }
-
-    fn read_register(&mut self, register: Register, delay: &mut impl DelayNs) -> Result<u8, AdcError> {
-        let mut value = [0];
-        self.access(command::RREG | register.address(), 1, Operation::TransferInPlace(&mut value), delay)?;
-        Ok(value[0])
+        self.written.get_mut(place).into_iter().for_each(|written| *written = value);
+        self.access(command::WREG | register.address(), 1, Operation::Write(&[value]))
     }
 
     /// Holds all registers against what was written to them.
-    fn read_back(&mut self, delay: &mut impl DelayNs) -> Result<(), AdcError> {
+    fn read_back(&mut self) -> Result<(), AdcError> {
         let mut values = [0; Register::SET.len()];
         let opcode = command::RREG | Register::Config1.address();
-        self.access(opcode, Register::SET.len() as u8, Operation::TransferInPlace(&mut values), delay)?;
+        self.access(opcode, Register::SET.len() as u8, Operation::TransferInPlace(&mut values))?;
         for ((register, written), read) in Register::SET.into_iter().zip(self.written).zip(values) {
             if (read ^ written) & register.mask() != 0 {
                 return Err(AdcError::NotKept { register, written, read });
@@ -314,13 +307,7 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
     }
 
     /// Reads or writes so many registers from one on.
-    fn access(
-        &mut self,
-        opcode: u8,
-        count: u8,
-        values: Operation<'_, u8>,
-        delay: &mut impl DelayNs,
-    ) -> Result<(), AdcError> {
+    fn access(&mut self, opcode: u8, count: u8, values: Operation<'_, u8>) -> Result<(), AdcError> {
         self.transaction(&mut [
             Operation::Write(&[opcode]),
             Operation::DelayNs(DECODE_NS),
@@ -329,27 +316,13 @@ impl<SPI: SpiDevice, RST: OutputPin> Ads131e06<SPI, RST> {
             values,
             Operation::DelayNs(DECODE_NS),
         ])?;
-        delay.delay_us(DESELECTED_US);
+        self.delay.delay_us(DESELECTED_US);
         Ok(())
     }
 
     fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), AdcError> {
         self.spi.transaction(operations).map_err(|_| AdcError::Spi)
     }
-}
-
-fn wait_for_conversion(
-    rate: DataRate,
-    data_ready: &mut impl InputPin,
-    delay: &mut impl DelayNs,
-) -> Result<(), AdcError> {
-    for _ in 0..LONGEST_PERIODS * rate.conversion_us() / LOOK_US {
-        if matches!(data_ready.is_low(), Ok(true)) {
-            return Ok(());
-        }
-        delay.delay_us(LOOK_US);
-    }
-    Err(AdcError::NoConversion)
 }
 
 /// Bits 7 and 4 must be 1; no daisy chain, no clock output; data rate below.

@@ -81,7 +81,7 @@ impl DataReady {
     }
 
     /// What is due at `now`, if an edge waits to be served or not.
-    pub const fn next(&mut self, now: u32, edge: bool) -> Due {
+    pub fn next(&mut self, now: u32, edge: bool) -> Due {
         let late = now.wrapping_sub(self.due).cast_signed();
         if late >= self.period.cast_signed() {
             self.due = self.due.wrapping_add(self.period);
@@ -91,13 +91,7 @@ impl DataReady {
             return Due::Wait;
         }
         let largest = self.period.cast_signed() / LARGEST_CORRECTION;
-        let correction = if late / 8 > largest {
-            largest
-        } else if late < 0 {
-            late
-        } else {
-            late / 8
-        };
+        let correction = if late < 0 { late } else { largest.min(late / 8) };
         self.due = self.due.wrapping_add_signed(correction).wrapping_add(self.period);
         if late > self.period.wrapping_sub(self.frame).cast_signed() { Due::Late } else { Due::Read }
     }

@@ -70,7 +70,7 @@ impl<P: OutputPin + InputPin, const N: usize> HeaterPins<P, N> {
         self.written = 0;
         let mut first = Ok(());
         for (element, pin) in self.pins.iter_mut().enumerate() {
-            let written = pin.set_low().map_err(|_| HeaterError::Pin { element });
+            let written = pin.set_low().map_err(|_| HeaterError::Pin(element));
             first = first.and(written);
         }
         first
@@ -82,9 +82,9 @@ impl<P: OutputPin + InputPin, const N: usize> HeaterPins<P, N> {
     /// The first pin that has another level than was written last, or cannot be read.
     pub fn verify(&mut self) -> Result<(), HeaterError> {
         for (element, pin) in self.pins.iter_mut().enumerate() {
-            let is_high = pin.is_high().map_err(|_| HeaterError::Pin { element })?;
+            let is_high = pin.is_high().map_err(|_| HeaterError::Pin(element))?;
             if is_high != (self.written >> element & 1 == 1) {
-                return Err(HeaterError::NotHeld { element });
+                return Err(HeaterError::NotHeld(element));
             }
         }
         Ok(())
@@ -97,7 +97,7 @@ impl<P: OutputPin + InputPin, const N: usize> HeaterPins<P, N> {
         for high in [false, true] {
             for (element, pin) in self.pins.iter_mut().enumerate() {
                 if (bits >> element) & 1 == usize::from(high) {
-                    pin.set_state(high.into()).map_err(|_| HeaterError::Pin { element })?;
+                    pin.set_state(high.into()).map_err(|_| HeaterError::Pin(element))?;
                 }
             }
         }
@@ -105,22 +105,15 @@ impl<P: OutputPin + InputPin, const N: usize> HeaterPins<P, N> {
     }
 }
 
-/// Why the heaters are off instead of as decided.
+/// Why the heaters are off instead of as decided. Elements count from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum HeaterError {
     /// A bit is set beyond the last element.
     NoSuchElement,
     /// A pin could not be written.
-    Pin {
-        /// The element whose pin it is, from 0.
-        element: usize,
-    },
+    Pin(usize),
     /// A pin has another level than was written.
-    NotHeld {
-        /// The element whose pin it is, from 0.
-        element: usize,
-    },
+    NotHeld(usize),
 }
 
 #[cfg(test)]
@@ -212,7 +205,7 @@ mod tests {
     #[test]
     fn all_low_reaches_every_pin_past_a_broken_one() {
         let mut heaters = HeaterPins::new(pins([&[low(), low()], &[low(), broken(low())], &[low(), low()]])).unwrap();
-        assert!(matches!(heaters.all_low(), Err(HeaterError::Pin { element: 1 })));
+        assert!(matches!(heaters.all_low(), Err(HeaterError::Pin(1))));
         done(heaters);
     }
 
@@ -220,7 +213,7 @@ mod tests {
     fn a_pin_that_fails_takes_the_others_down() {
         let mut heaters =
             HeaterPins::new(pins([&[low(), high(), low()], &[low(), broken(high()), low()], &[low(), low()]])).unwrap();
-        assert!(matches!(apply(&mut heaters, 0b111), Err(HeaterError::Pin { element: 1 })));
+        assert!(matches!(apply(&mut heaters, 0b111), Err(HeaterError::Pin(1))));
         done(heaters);
     }
 
@@ -233,12 +226,12 @@ mod tests {
             &[low(), low(), low()],
         ]))
         .unwrap();
-        assert_eq!(apply(&mut heaters, 0b011), Err(HeaterError::NotHeld { element: 1 }));
+        assert_eq!(apply(&mut heaters, 0b011), Err(HeaterError::NotHeld(1)));
         done(heaters);
         let mut heaters =
             HeaterPins::new(pins([&[low(), low(), held_high, low()], &[low(), low(), low()], &[low(), low(), low()]]))
                 .unwrap();
-        assert_eq!(apply(&mut heaters, 0), Err(HeaterError::NotHeld { element: 0 }));
+        assert_eq!(apply(&mut heaters, 0), Err(HeaterError::NotHeld(0)));
         done(heaters);
     }
 
@@ -253,7 +246,7 @@ mod tests {
     fn a_broken_pin_is_named_at_the_start() {
         let broken_pins = pins([&[low()], &[low()], &[broken(low())]]);
         let mut handles = broken_pins.clone();
-        assert!(matches!(HeaterPins::new(broken_pins), Err(HeaterError::Pin { element: 2 })));
+        assert!(matches!(HeaterPins::new(broken_pins), Err(HeaterError::Pin(2))));
         for pin in &mut handles {
             pin.done();
         }

@@ -43,7 +43,11 @@ pub struct SettledMean<const N: usize> {
 impl<const N: usize> SettledMean<N> {
     /// Starts a tick: the next conversion is its first.
     pub const fn new(plan: TickPlan) -> Self {
-        Self { conversions: plan.conversions(), seen: 0, settled: 0, sum: [0; N], end_of_range: [None; N] }
+        Self::of(plan.conversions())
+    }
+
+    const fn of(conversions: u32) -> Self {
+        Self { conversions, seen: 0, settled: 0, sum: [0; N], end_of_range: [None; N] }
     }
 
     /// Takes what one data-ready brought and, on the last one of the tick, gives the readings.
@@ -68,10 +72,7 @@ impl<const N: usize> SettledMean<N> {
 
     /// Forgets the tick so far: the next conversion is the first of a new one.
     pub fn restart(&mut self) {
-        self.seen = 0;
-        self.settled = 0;
-        self.sum = [0; N];
-        self.end_of_range = [None; N];
+        *self = Self::of(self.conversions);
     }
 
     fn add(&mut self, codes: &[i32; N]) {

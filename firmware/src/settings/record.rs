@@ -56,11 +56,6 @@ impl Content {
     /// No record.
     pub const NONE: Self = Self { sector: None, length: 0, crc: 0 };
 
-    /// Whether there is nothing in it.
-    pub const fn is_empty(&self) -> bool {
-        self.length == 0
-    }
-
     /// Reads from a place on; returns how many bytes there were.
     ///
     /// # Errors
@@ -172,12 +167,10 @@ impl Record {
     /// # Errors
     /// If the flash does not take it.
     pub fn commit<F: NorFlash>(&mut self, flash: &mut F, content: Content) -> Result<(), SettingsRefusal> {
-        let words = [self.number.wrapping_add(1), content.length as u32, content.crc];
-        let mut header = [0; HEADER];
-        fill(&mut header, &words);
-        let check = CHECK.checksum(header.get(..3 * WORD).unwrap_or_default());
-        fill(&mut header, &[words[0], words[1], words[2], check]);
-        write(flash, address::<F>(content.sector.unwrap_or(self.idle()), 0), &header)?;
+        let words = [self.number.wrapping_add(1), content.length as u32, content.crc].map(u32::to_le_bytes);
+        let [number, length, crc] = words;
+        let header = [number, length, crc, CHECK.checksum(words.as_flattened()).to_le_bytes()];
+        write(flash, address::<F>(content.sector.unwrap_or(self.idle()), 0), header.as_flattened())?;
         self.in_force = self.look(flash);
         if self.in_force == Ok(content) { Ok(()) } else { Err(SettingsRefusal::Flash) }
     }
@@ -205,22 +198,18 @@ impl Record {
 }
 
 fn header<F: NorFlash>(flash: &mut F, sector: u32) -> Result<Header, SettingsRefusal> {
-    let mut bytes = [0; START];
-    flash.read(address::<F>(sector, 0), &mut bytes).map_err(|_| SettingsRefusal::Flash)?;
-    let (header, replaced) = bytes.split_at(HEADER);
-    if header.iter().all(|byte| *byte == 0xff) {
+    let mut words = [[0; WORD]; START / WORD];
+    flash.read(address::<F>(sector, 0), words.as_flattened_mut()).map_err(|_| SettingsRefusal::Flash)?;
+    let [checked @ .., check, replaced] = words;
+    if words.as_flattened().iter().take(HEADER).all(|byte| *byte == 0xff) {
         return Ok(Header::Blank);
     }
-    let mut words = [0; 4];
-    for (word, bytes) in words.iter_mut().zip(header.as_chunks().0) {
-        *word = u32::from_le_bytes(*bytes);
-    }
-    let [number, length, crc, check] = words;
+    let [number, length, crc] = checked.map(u32::from_le_bytes);
     let length = length as usize;
-    if check != CHECK.checksum(header.get(..3 * WORD).unwrap_or_default()) || length > F::ERASE_SIZE - START {
+    if u32::from_le_bytes(check) != CHECK.checksum(checked.as_flattened()) || length > F::ERASE_SIZE - START {
         return Ok(Header::Foreign);
     }
-    let is_replaced = replaced.iter().map(|byte| byte.count_zeros()).sum::<u32>() >= REPLACED;
+    let is_replaced = u32::from_le_bytes(replaced).count_zeros() >= REPLACED;
     Ok(Header::Of { number, content: Content { sector: Some(sector), length, crc }, is_replaced })
 }
 
@@ -230,10 +219,6 @@ const fn address<F: NorFlash>(sector: u32, at: usize) -> u32 {
 
 fn write<F: NorFlash>(flash: &mut F, address: u32, bytes: &[u8]) -> Result<(), SettingsRefusal> {
     flash.write(address, bytes).map_err(|_| SettingsRefusal::Flash)
-}
-
-fn fill(bytes: &mut [u8], words: &[u32]) {
-    bytes.iter_mut().zip(words.iter().flat_map(|word| word.to_le_bytes())).for_each(|(to, byte)| *to = byte);
 }
 
 #[cfg(test)]

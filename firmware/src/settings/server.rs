@@ -8,7 +8,7 @@
 use super::record::{Content, Record};
 use embedded_storage::nor_flash::NorFlash;
 use wire::settings::{MOST_PIECE, Piece, Preface, TestBytes, take_command};
-use wire::{SettingsAnswer, SettingsRefusal, SettingsReply, SettingsRequest, StoredRecord, TestRecord, Unusable};
+use wire::{SettingsRefusal, SettingsReply, SettingsRequest, StoredRecord, TestRecord, Unusable};
 
 /// Server of the settings in flash.
 pub struct SettingsServer<F> {
@@ -69,11 +69,10 @@ impl<F: NorFlash> SettingsServer<F> {
     }
 
     /// Carries out a request, except `Load`. The caller has made sure of standby.
-    pub fn answer(&mut self, to: u16, request: &SettingsRequest) -> SettingsAnswer {
-        SettingsAnswer { to, result: self.carry_out(request) }
-    }
-
-    fn carry_out(&mut self, request: &SettingsRequest) -> Result<SettingsReply, SettingsRefusal> {
+    ///
+    /// # Errors
+    /// If the request cannot be carried out.
+    pub fn answer(&mut self, request: &SettingsRequest) -> Result<SettingsReply, SettingsRefusal> {
         match *request {
             SettingsRequest::Write { at, ref bytes } => {
                 self.settings.write(&mut self.flash, at.into(), bytes)?;

@@ -22,8 +22,7 @@ const LIVE_STACK_BYTES: u64 = 1024;
 
 /// Parts of its statics' names that say that only the virtual board has them: its ways to the host,
 /// which simulate, and pins and dead man's handle, which are no memory on a board.
-const SIMULATION: [&str; 6] =
-    ["virtual_board", "virtual_log", "_idler", "idle_bench", "bench_bench", "host_transmitter"];
+const SIMULATION: [&str; 6] = ["virtual_board", "emulated", "_idler", "idle_bench", "bench_bench", "host_transmitter"];
 
 /// Where bits flip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -63,7 +63,7 @@ fn a_panic_is_remembered_with_its_place() {
     let (board, identity) = after(Provocation::Panic);
     let crash = identity.crash.unwrap();
     assert_eq!((identity.reset, crash.kind), (ResetCause::Software, CrashKind::Panic));
-    assert!(crash.file.ends_with("board/virtual_board.rs") && crash.at > 0, "{crash:?}");
+    assert!(crash.file.ends_with("board/virtual_board/mod.rs") && crash.at > 0, "{crash:?}");
     is_tripped_until_acknowledged(board, Cause::Panic);
 }
 
@@ -91,7 +91,7 @@ fn whoever_waits_for_a_sample_learns_why_there_is_none() {
     board.body_mut().provoke(Provocation::Panic).unwrap();
     let error = board.observe().unwrap_err().to_string();
     assert!(
-        error.contains("has started anew") && error.contains("panicked at") && error.contains("virtual_board.rs:"),
+        error.contains("has started anew") && error.contains("panicked at") && error.contains("virtual_board/mod.rs:"),
         "{error}"
     );
 }

@@ -66,7 +66,7 @@ pub const BOUNDS: &[LoopBound] = &[
     bound(&["Prbs::step"], Rounds::AtMost(2), "a seed and its first bit"),
     bound(
         &["ControlLoop<B,_>::run", "ControlLoop<B,_>::run", INNERMOST],
-        Rounds::Passes("ControlLoop<B,_>::tick", 1, Some("Ads131e06<SPI,RST>::read_frame")),
+        Rounds::Passes("ControlLoop<B,_>::tick", 1, Some("Ads131e06<SPI,RST,D>::read_frame")),
         "a tick a run, and no conversion waits after it",
     ),
 ];
@@ -106,15 +106,15 @@ const NEVER: &[Exclusion] = &[
     (&["carry_out_orders", "dequeue", "memcpy"], "likewise"),
     (&["ControlLoop<B,_>::stop", "ControlLoop<B,_>::carry_out$"], "afterwards no heater is high"),
     (&["ControlLoop<B,_>::stop", "Outbox::put"], "likewise"),
-    (&["AdcFrontEnd::resume"], "flash is erased in standby"),
-    (&["CrashRecord"], "a crash is acknowledged after a trip"),
+    (&["FrontEnd::resume"], "flash is erased in standby"),
+    (&["halt::acknowledge"], "a crash is acknowledged after a trip"),
     (&["Spi<SPI,_,W>::transfer$"], "the converter's driver transfers in place"),
     (&["Spi<SPI,_,W>::read$"], "likewise"),
 ];
 
 const RUNNING: [Exclusion; NEVER.len() + 9] = with([
-    (&["Ads131e06<SPI,RST>::select"], "a self-test changes the input; the tick is longer by that"),
-    (&["Ads131e06<SPI,RST>::verify"], "after a conversion that ends no tick"),
+    (&["Ads131e06<SPI,RST,D>::select"], "a self-test changes the input; the tick is longer by that"),
+    (&["Ads131e06<SPI,RST,D>::verify"], "after a conversion that ends no tick"),
     (&["Decider<_>::step_test"], "a self-test"),
     (&["SelfTest<_>::findings"], "the end of a self-test"),
     (&["PendingFindings::put"], "the end of a self-test"),
@@ -132,17 +132,17 @@ const DECIDING: [Exclusion; RUNNING.len() + 2] = with_all(&COMMANDLESS, &RUNNING
 const TESTING: [Exclusion; NEVER.len() + 6] = with([
     COMMANDLESS[0],
     COMMANDLESS[1],
-    (&["Ads131e06<SPI,RST>::select"], "it changes the input; the tick is longer by that"),
-    (&["Ads131e06<SPI,RST>::verify"], "after a conversion that ends no tick"),
+    (&["Ads131e06<SPI,RST,D>::select"], "it changes the input; the tick is longer by that"),
+    (&["Ads131e06<SPI,RST,D>::verify"], "after a conversion that ends no tick"),
     (&["Controller<_>::decide$"], "a run"),
     (&["Controller<_>::decide_symbols"], "a run"),
 ]);
 const BETWEEN: [Exclusion; NEVER.len() + 3] =
     with([COMMANDLESS[0], COMMANDLESS[1], (&["ControlLoop<B,_>::tick"], "a conversion that ends no tick")]);
 const FRAME: [Exclusion; BETWEEN.len() + 1] =
-    with_all(&[(&["Ads131e06<SPI,RST>::verify"], "once in 250 conversions")], &BETWEEN);
+    with_all(&[(&["Ads131e06<SPI,RST,D>::verify"], "once in 250 conversions")], &BETWEEN);
 const ALONE: [Exclusion; NEVER.len() + 2] =
-    with([(&["ControlLoop<B,_>::tick"], "no conversion"), (&["Ads131e06<SPI,RST>"], "no conversion")]);
+    with([(&["ControlLoop<B,_>::tick"], "no conversion"), (&["Ads131e06<SPI,RST,D>"], "no conversion")]);
 
 /// Exclusions of a path, and those of all.
 const fn with<const M: usize, const N: usize>(own: [Exclusion<'static>; M]) -> [Exclusion<'static>; N] {

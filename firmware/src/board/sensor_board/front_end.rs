@@ -26,15 +26,12 @@
 //! bytes: in every conversion period of 250 µs, and 200 µs is what the decision may take
 //! (`docs/reference/board.md`, "One tick").
 
-use super::clocks::CycleDelay;
-use super::dead_man::DeadManTimer;
-use super::heater_pin::HeaterPin;
 use super::heaters_low;
-use super::settings_flash;
-use super::stopwatch::{COUNTS_PER_US, counts};
-use crate::{crash_memory, halt};
+use super::table::{ADC_CLOCK_KHZ, DataReadyPin, ELEMENTS, FIRST_PERIOD_US, HeaterPin, ResetPin, SelectPin};
+use crate::mcu::stm32f4::clocks::{COUNTS_PER_US, CycleDelay, counts};
+use crate::mcu::stm32f4::{dead_man::DeadManTimer, flash};
 use dr_core::ConfigError;
-use dr_core::control::{Cause, LockoutWords, Tick};
+use dr_core::control::{Cause, Tick};
 use dr_core::sensor::reading::REFERENCE_CODE;
 use dr_core::sensor::{FrontEndInput, Reading};
 use embedded_hal::spi::MODE_1;
@@ -45,18 +42,12 @@ use firmware::drivers::data_ready::{DataReady, Due};
 use firmware::drivers::heater_pins::HeaterPins;
 use firmware::drivers::settled_mean::SettledMean;
 use firmware::drivers::tick_plan::{DataRate, TickPlan};
-use stm32f4xx_hal::gpio::{self, Edge, Output, PA4, PA5, PA6, PA7, PB0, PB4, Speed};
+use stm32f4xx_hal::gpio::{Edge, PA5, PA6, PA7, Speed};
 use stm32f4xx_hal::pac::{EXTI, SPI1, SYSCFG};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::spi::Spi;
-
-/// One a channel of its ADC.
-pub const ELEMENTS: usize = ads131e06::CHANNELS;
-/// The heater pins in their port: PC0 … PC5.
-pub const HEATER_MASK: u32 = (1 << ELEMENTS) - 1;
-/// Until the host sets one.
-pub const FIRST_PERIOD_US: u32 = 10_000;
+use wire::ControlStatus;
 
 /// A frame, 20, and by how much [`DataReady`] may be wrong about its begin: 4 for each conversion
 /// that is served late one after the other, as while a model is taken in.
@@ -64,31 +55,25 @@ const FRAME_US: u32 = 60;
 /// Frames from one read-back of the ADC's registers to the next.
 const FRAMES_A_CHECK: u32 = 250;
 
-/// Six pins of port C.
-pub type HeaterPort = HeaterPins<HeaterPin, ELEMENTS>;
-type AdcDriver = Ads131e06<ExclusiveDevice<Spi<SPI1>, PA4<Output>, CycleDelay>, PB0<Output>>;
+type AdcDriver = Ads131e06<ExclusiveDevice<Spi<SPI1>, SelectPin, CycleDelay>, ResetPin, CycleDelay>;
 
 /// Where the ADC is connected.
 pub struct AdcPins {
     /// Chip select, high.
-    pub select: PA4<Output>,
-    /// SCK.
-    pub clock: PA5,
-    /// MISO.
-    pub data_in: PA6,
-    /// MOSI.
-    pub data_out: PA7,
+    pub select: SelectPin,
+    /// SCK, MISO, MOSI.
+    pub bus: (PA5, PA6, PA7),
     /// Falls when a conversion is ready.
-    pub data_ready: PB4<gpio::Input>,
+    pub data_ready: DataReadyPin,
     /// Low resets; high.
-    pub reset: PB0<Output>,
+    pub reset: ResetPin,
 }
 
 /// Readings of a tick, and levels for the next.
-pub struct AdcFrontEnd {
+pub struct FrontEnd {
     adc: AdcDriver,
-    line: PB4<gpio::Input>,
-    heaters: HeaterPort,
+    line: DataReadyPin,
+    heaters: HeaterPins<HeaterPin, ELEMENTS>,
     dead_man: DeadManTimer,
     /// Some heater has been set to the high level.
     any_high: bool,
@@ -123,7 +108,7 @@ pub struct AdcFrontEnd {
     fault: Option<Cause>,
 }
 
-impl AdcFrontEnd {
+impl FrontEnd {
     /// Brings the ADC up with ticks of 10 ms, so that standby senses already.
     #[expect(clippy::expect_used, reason = "start-up, before any heater is raised")]
     pub fn start(
@@ -131,27 +116,25 @@ impl AdcFrontEnd {
         pins: AdcPins,
         mut exti: EXTI,
         syscfg: SYSCFG,
-        heaters: HeaterPort,
+        heaters: HeaterPins<HeaterPin, ELEMENTS>,
         dead_man: DeadManTimer,
         rcc: &mut Rcc,
     ) -> Self {
         let plan = TickPlan::new(FIRST_PERIOD_US).expect("10 ms are 40 conversions");
         // High, since the bus takes its clock back from the pin: with a slower one at 84 MHz the last
         // bit of a byte may be that of the byte before (ES0182, 2.12.4).
-        let clock = pins.clock.into_alternate().speed(Speed::High);
-        let data_out = pins.data_out.into_alternate().speed(Speed::Medium);
-        let bus = Spi::new(spi, (Some(clock), Some(pins.data_in), Some(data_out)), MODE_1, 10_500.kHz(), rcc);
+        let (clock, data_in, data_out) = pins.bus;
+        let clock = clock.into_alternate().speed(Speed::High);
+        let data_out = data_out.into_alternate().speed(Speed::Medium);
+        let bus = Spi::new(spi, (Some(clock), Some(data_in), Some(data_out)), MODE_1, ADC_CLOCK_KHZ.kHz(), rcc);
         let device =
             ExclusiveDevice::new(bus, pins.select, CycleDelay).expect("writing a pin of this processor cannot fail");
-        let mut adc = Ads131e06::new(device, pins.reset);
+        let mut adc = Ads131e06::new(device, pins.reset, CycleDelay);
         let mut line = pins.data_ready;
-        let usable = match adc.initialise(plan.rate(), &mut line, &mut CycleDelay) {
-            Ok(()) => true,
-            Err(error) => {
-                defmt::error!("all readings are missing, the ADC did not start: {}", error);
-                false
-            }
-        };
+        let started = adc.initialise(plan.rate(), &mut line);
+        let usable = started
+            .inspect_err(|error| defmt::error!("all readings are missing, the ADC did not start: {}", error))
+            .is_ok();
 
         line.make_interrupt_source(&mut syscfg.constrain(rcc));
         line.trigger_on_edge(&mut exti, Edge::Falling);
@@ -227,9 +210,9 @@ impl AdcFrontEnd {
     }
 }
 
-impl ControlBoard<ELEMENTS> for AdcFrontEnd {
+impl ControlBoard<ELEMENTS> for FrontEnd {
     fn poll(&mut self) -> Option<[Reading; ELEMENTS]> {
-        if settings_flash::take_erase() {
+        if flash::HAS_ERASED.take() {
             self.resume();
         }
         loop {
@@ -268,7 +251,7 @@ impl ControlBoard<ELEMENTS> for AdcFrontEnd {
                 && self.data_ready.leaves(counts(), (FRAME_US + ads131e06::VERIFY_US) * COUNTS_PER_US)
             {
                 self.unchecked = 0;
-                self.fault = self.adc.verify(&mut CycleDelay).err().map(|_| Cause::AdcRegister);
+                self.fault = self.adc.verify().err().map(|_| Cause::AdcRegister);
                 // What was converted meanwhile is no frame: it was not streamed.
                 self.torn |= self.line.check_interrupt();
             }
@@ -318,7 +301,7 @@ impl ControlBoard<ELEMENTS> for AdcFrontEnd {
         self.input = input;
         // A converter that has not accepted it is set again after the next tick; its readings are
         // missing until then.
-        self.connected = self.adc.select(connect, &mut CycleDelay).ok().map(|()| input);
+        self.connected = self.adc.select(connect).ok().map(|()| input);
         self.rate = self.connected.map(|_| self.plan.rate());
         // An edge of what was read before.
         self.clear_edge();
@@ -342,7 +325,7 @@ impl ControlBoard<ELEMENTS> for AdcFrontEnd {
         let plan = TickPlan::from_seconds(sample_period_s)?;
         // An ADC that keeps its rate keeps the times of its conversions.
         if self.rate != Some(plan.rate()) {
-            let taken = self.usable && self.adc.set_rate(plan.rate(), &mut CycleDelay).is_ok();
+            let taken = self.usable && self.adc.set_rate(plan.rate()).is_ok();
             self.rate = (taken && self.connected.is_some()).then_some(plan.rate());
             // An edge of the old rate.
             self.clear_edge();
@@ -361,28 +344,17 @@ impl ControlBoard<ELEMENTS> for AdcFrontEnd {
         core::mem::take(&mut self.overran) || self.line.check_interrupt()
     }
 
-    fn lost_conversions(&self) -> u32 {
-        self.lost
-    }
-
     fn take_fault(&mut self) -> Option<Cause> {
         self.fault.take()
     }
 
-    fn edge_to_pins_us(&self) -> u32 {
-        self.edge_to_pins / COUNTS_PER_US
+    fn report(&self, status: &mut ControlStatus) {
+        status.lost_conversions = self.lost;
+        status.edge_to_pins_us = self.edge_to_pins / COUNTS_PER_US;
     }
 
     fn heaters_low(&mut self) {
         heaters_low();
-    }
-
-    fn keep_lockout(&mut self, words: &LockoutWords) {
-        crash_memory::write_lockout(words);
-    }
-
-    fn acknowledge_crash(&mut self) {
-        halt::acknowledge();
     }
 }
 

@@ -1,5 +1,7 @@
 //! Registers of the ADC and the values by which a healthy chip is known.
 
+use Register::{Channel, Config1, Config2, Config3, Fault};
+
 /// Channels of the chip.
 pub const CHANNELS: usize = 6;
 /// What the identity register of an ADS131E06 holds: family 110, then 1 00, then 01 for six
@@ -12,8 +14,6 @@ pub const OFFSET_LIMIT: i32 = 4_194;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Register {
-    /// Identity, read only.
-    Id,
     /// Data rate.
     Config1,
     /// Test signals.
@@ -27,23 +27,12 @@ pub enum Register {
 }
 
 impl Register {
-    /// All but the identity, in the order of their addresses.
-    pub(super) const SET: [Self; 4 + CHANNELS] = [
-        Self::Config1,
-        Self::Config2,
-        Self::Config3,
-        Self::Fault,
-        Self::Channel(0),
-        Self::Channel(1),
-        Self::Channel(2),
-        Self::Channel(3),
-        Self::Channel(4),
-        Self::Channel(5),
-    ];
+    /// All in the order of their addresses, after the identity at 0.
+    pub(super) const SET: [Self; 4 + CHANNELS] =
+        [Config1, Config2, Config3, Fault, Channel(0), Channel(1), Channel(2), Channel(3), Channel(4), Channel(5)];
 
     pub(super) const fn address(self) -> u8 {
         match self {
-            Self::Id => 0x00,
             Self::Config1 => 0x01,
             Self::Config2 => 0x02,
             Self::Config3 => 0x03,

@@ -111,13 +111,13 @@ fn start_up(config1: u8, offsets: [i32; CHANNELS]) -> Vec<Byte<u8>> {
     all
 }
 
-fn initialise(bytes: &[Byte<u8>], rate: DataRate) -> (Result<(), AdcError>, Ads131e06<Spi<u8>, Pin>) {
-    let mut adc = Ads131e06::new(Spi::new(bytes), Pin::new(&reset_edges()));
-    let result = adc.initialise(rate, &mut Conversions(false), &mut NoopDelay::new());
+fn initialise(bytes: &[Byte<u8>], rate: DataRate) -> (Result<(), AdcError>, Ads131e06<Spi<u8>, Pin, NoopDelay>) {
+    let mut adc = Ads131e06::new(Spi::new(bytes), Pin::new(&reset_edges()), NoopDelay::new());
+    let result = adc.initialise(rate, &mut Conversions(false));
     (result, adc)
 }
 
-fn done(adc: Ads131e06<Spi<u8>, Pin>) {
+fn done<D>(adc: Ads131e06<Spi<u8>, Pin, D>) {
     let Ads131e06 { mut spi, mut reset, .. } = adc;
     spi.done();
     reset.done();
@@ -131,9 +131,9 @@ fn refused(bytes: &[Byte<u8>], error: AdcError) {
 }
 
 /// An ADC that has been started without going through the start-up.
-fn running(bytes: &[Byte<u8>], offsets: [i32; CHANNELS]) -> Ads131e06<Spi<u8>, Pin> {
+fn running(bytes: &[Byte<u8>], offsets: [i32; CHANNELS]) -> Ads131e06<Spi<u8>, Pin, NoopDelay> {
     let written = registers(0x94, NORMAL);
-    Ads131e06 { spi: Spi::new(bytes), reset: Pin::new(&[]), offsets, written }
+    Ads131e06 { spi: Spi::new(bytes), reset: Pin::new(&[]), delay: NoopDelay::new(), offsets, written }
 }
 
 #[test]
@@ -152,7 +152,6 @@ fn starts_up_byte_by_byte_at_1_ksps() {
 
 #[test]
 fn waits_as_long_as_the_data_sheet_wants() {
-    let mut adc = Ads131e06::new(Spi::new(&start_up(0x94, [0; CHANNELS])), Pin::new(&reset_edges()));
     let mut expected = vec![Wait::delay_ms(130), Wait::delay_us(10), Wait::delay_us(20)];
     // SDATAC, identity, 10 registers written and read at once, with chip select high for a while.
     expected.extend(vec![Wait::delay_us(1); 13]);
@@ -160,13 +159,14 @@ fn waits_as_long_as_the_data_sheet_wants() {
     expected.extend([Wait::delay_ms(200), Wait::delay_us(1), Wait::delay_us(5), Wait::delay_us(5)]);
     // STOP, six channels written and all registers read, START, RDATAC.
     expected.extend(vec![Wait::delay_us(1); 1 + 7 + 2]);
-    let mut delay = CheckedDelay::new(&expected);
+    let delay = CheckedDelay::new(&expected);
+    let mut adc = Ads131e06::new(Spi::new(&start_up(0x94, [0; CHANNELS])), Pin::new(&reset_edges()), delay);
     let mut looks = vec![Edge::get(State::High); 2];
     looks.extend((0..OFFSET_CONVERSIONS).flat_map(|_| [Edge::get(State::Low), Edge::get(State::High)]));
     let mut line = Pin::new(&looks);
-    adc.initialise(DataRate::Sps4000, &mut line, &mut delay).unwrap();
-    delay.done();
+    adc.initialise(DataRate::Sps4000, &mut line).unwrap();
     line.done();
+    adc.delay.done();
     done(adc);
 }
 
@@ -250,9 +250,9 @@ fn a_data_ready_line_that_stays_where_it_is_is_refused_and_nothing_hangs() {
         (State::Low, 2, first + on_demand([0; CHANNELS]).len(), AdcError::DataReadyLow),
     ];
     for (state, looks, bytes, error) in cases {
-        let mut adc = Ads131e06::new(Spi::new(&healthy[..bytes]), Pin::new(&reset_edges()));
+        let mut adc = Ads131e06::new(Spi::new(&healthy[..bytes]), Pin::new(&reset_edges()), NoopDelay::new());
         let mut line = stuck(state, looks);
-        assert_eq!(adc.initialise(DataRate::Sps4000, &mut line, &mut NoopDelay::new()), Err(error));
+        assert_eq!(adc.initialise(DataRate::Sps4000, &mut line), Err(error));
         line.done();
         done(adc);
     }
@@ -271,7 +271,7 @@ fn a_register_that_changes_while_it_converts_is_named_and_conversions_go_on() {
             let (register, read) = (Register::SET[bad], values[bad]);
             Err(AdcError::NotKept { register, written: read ^ 0x02, read })
         });
-        assert_eq!(adc.verify(&mut NoopDelay::new()), expected);
+        assert_eq!(adc.verify(), expected);
         assert_eq!(adc.read_frame().unwrap(), [7; CHANNELS]);
         done(adc);
     }
@@ -289,7 +289,7 @@ fn changes_its_rate_byte_by_byte_and_keeps_the_offsets() {
         frame([0xC0, 0, 0], [10; CHANNELS]),
     ];
     let mut adc = running(&change.concat(), [3; CHANNELS]);
-    adc.set_rate(DataRate::Sps1000, &mut NoopDelay::new()).unwrap();
+    adc.set_rate(DataRate::Sps1000).unwrap();
     assert_eq!(adc.read_frame().unwrap(), [7; CHANNELS]);
     done(adc);
 }
@@ -307,7 +307,7 @@ fn connects_all_channels_to_something_else_byte_by_byte_and_keeps_the_offsets() 
             frame([0xC0, 0, 0], [10; CHANNELS]),
         ];
         let mut adc = running(&change.concat(), [3; CHANNELS]);
-        adc.select(input, &mut NoopDelay::new()).unwrap();
+        adc.select(input).unwrap();
         assert_eq!(adc.read_frame().unwrap(), [7; CHANNELS]);
         done(adc);
     }
@@ -321,7 +321,7 @@ fn an_input_that_is_not_kept_is_refused_and_nothing_converts() {
     values[5] = NORMAL;
     let change = [command(0x11), command(0x0A), channels(SHORTED), read_all(values)];
     let mut adc = running(&change.concat(), [0; CHANNELS]);
-    let error = adc.select(AdcInput::Shorted, &mut NoopDelay::new()).unwrap_err();
+    let error = adc.select(AdcInput::Shorted).unwrap_err();
     assert_eq!(error, AdcError::NotKept { register: Register::Channel(1), written: 0x11, read: 0x10 });
     done(adc);
 }
@@ -330,7 +330,7 @@ fn an_input_that_is_not_kept_is_refused_and_nothing_converts() {
 fn a_rate_that_is_not_kept_is_refused_and_nothing_converts() {
     let change = [command(0x11), command(0x0A), write(0x01, 0x94), read_all(registers(0x96, NORMAL))];
     let mut adc = running(&change.concat(), [0; CHANNELS]);
-    let error = adc.set_rate(DataRate::Sps4000, &mut NoopDelay::new()).unwrap_err();
+    let error = adc.set_rate(DataRate::Sps4000).unwrap_err();
     assert_eq!(error, AdcError::NotKept { register: Register::Config1, written: 0x94, read: 0x96 });
     done(adc);
 }
@@ -406,8 +406,8 @@ impl SpiDevice for Failing {
 fn reports_a_bus_that_fails() {
     // At SDATAC, at the identity, while writing, and while reading back.
     for transactions in [0, 1, 2, 12] {
-        let mut adc = Ads131e06::new(Failing(transactions), Pin::new(&reset_edges()));
-        let error = adc.initialise(DataRate::Sps4000, &mut Conversions(false), &mut NoopDelay::new()).unwrap_err();
+        let mut adc = Ads131e06::new(Failing(transactions), Pin::new(&reset_edges()), NoopDelay::new());
+        let error = adc.initialise(DataRate::Sps4000, &mut Conversions(false)).unwrap_err();
         assert_eq!(error, AdcError::Spi);
         assert_eq!(adc.read_frame(), Err(error));
         adc.reset.done();
@@ -418,8 +418,8 @@ fn reports_a_bus_that_fails() {
 fn names_a_reset_pin_that_fails() {
     let stuck =
         Edge::set(State::High).with_error(embedded_hal_mock::eh1::MockError::Io(std::io::ErrorKind::NotConnected));
-    let mut adc = Ads131e06::new(Spi::new(&[]), Pin::new(&[stuck]));
-    let result = adc.initialise(DataRate::Sps4000, &mut Conversions(false), &mut NoopDelay::new());
+    let mut adc = Ads131e06::new(Spi::new(&[]), Pin::new(&[stuck]), NoopDelay::new());
+    let result = adc.initialise(DataRate::Sps4000, &mut Conversions(false));
     assert_eq!(result, Err(AdcError::ResetPin));
     done(adc);
 }

@@ -21,18 +21,18 @@ fn record(commands: &[Command]) -> Vec<u8> {
 fn send(server: &mut Server, record: &[u8]) -> Result<SettingsReply, SettingsRefusal> {
     for (at, piece) in (0..).step_by(MOST_PIECE).zip(record.chunks(MOST_PIECE)) {
         let bytes = Piece::from_slice(piece).unwrap();
-        server.answer(7, &SettingsRequest::Write { at, bytes }).result?;
+        server.answer(&SettingsRequest::Write { at, bytes })?;
     }
     let commit = SettingsRequest::Commit { length: record.len() as u16, crc: CHECK.checksum(record) };
-    assert_eq!(server.answer(8, &commit), server.answer(8, &commit), "a host may repeat it");
-    server.answer(9, &commit).result
+    assert_eq!(server.answer(&commit), server.answer(&commit), "a host may repeat it");
+    server.answer(&commit)
 }
 
 fn read(server: &mut Server, record: StoredRecord) -> Result<Vec<u8>, SettingsRefusal> {
     let mut bytes = Vec::new();
     loop {
         let request = SettingsRequest::Read { record, at: bytes.len() as u16 };
-        match server.answer(1, &request).result? {
+        match server.answer(&request)? {
             SettingsReply::Piece(piece) if piece.is_empty() => return Ok(bytes),
             SettingsReply::Piece(piece) => bytes.extend(piece),
             other => panic!("{other:?}"),
@@ -68,7 +68,7 @@ fn stored_settings_are_applied_in_order_at_the_next_start() {
     }
     assert_eq!(instrument, expected);
     for request in [SettingsRequest::Load, SettingsRequest::Check] {
-        assert_eq!(again.answer(1, &request), SettingsAnswer { to: 1, result: Ok(SettingsReply::Done) });
+        assert_eq!(again.answer(&request), Ok(SettingsReply::Done));
     }
 }
 
@@ -93,10 +93,10 @@ fn settings_that_this_firmware_cannot_use_are_named_and_those_before_stay() {
     let SettingsRefusal::Unusable(Unusable::Refused { number: 2, refusal: Refusal::Invalid { .. } }) = refused else {
         panic!("{refused:?}");
     };
-    assert_eq!(server.answer(1, &SettingsRequest::Check).result, Err(refused));
+    assert_eq!(server.answer(&SettingsRequest::Check), Err(refused));
     send(&mut server, &record(&[])).unwrap();
     assert_eq!(set_up(&mut server, &mut Instrument::new(&HardwareLimits::SIMULATED)).map(drop), Ok(()));
-    assert_eq!(server.answer(1, &SettingsRequest::Check).result, Ok(SettingsReply::Done));
+    assert_eq!(server.answer(&SettingsRequest::Check), Ok(SettingsReply::Done));
 }
 
 #[test]

@@ -14,23 +14,19 @@
 //! timer: the host measures the silence of the front end. A reset is a real one: RAM stays, as on
 //! the sensor board.
 
-mod power;
-mod settings_flash;
+pub mod table;
 
-pub use self::{
-    LinkFrontEnd as FrontEnd, LinkIdler as Idler, LinkReceiver as HostReceiver, LinkTransmitter as HostTransmitter,
-    NoWatchdog as Watchdog,
-};
-pub use power::{heaters_low, restart};
-pub use settings_flash::FileFlash as SettingsFlash;
-use settings_flash::FileFlash;
+pub use crate::mcu::emulated::file_flash::FileFlash as SettingsFlash;
+pub use table::{CLOCK_HZ, ELEMENTS, HARDWARE_LIMITS, IS_VIRTUAL, KIND, NAME};
 
-use super::parts::BoardParts;
-use crate::{crash_memory, halt};
-use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
-use cortex_m_semihosting::{nr, syscall};
+use super::BoardParts;
+use crate::mcu::emulated::file_flash;
+use crate::mcu::emulated::semihosting::{self, File};
+use core::sync::atomic::{AtomicU32, AtomicUsize, Ordering::Relaxed};
+use cortex_m::peripheral::SCB;
+use cortex_m_semihosting::nr;
 use dr_core::ConfigError;
-use dr_core::control::{Cause, HardwareLimits, Heaters, LockoutWords, Tick};
+use dr_core::control::{Cause, Heaters, Tick};
 use dr_core::sensor::{FrontEndInput, Reading};
 use dr_core::{Decider, Digest};
 use firmware::control_loop::ControlBoard;
@@ -39,29 +35,15 @@ use firmware::dead_man::DeadManCounter;
 use firmware::inbox::Exchange;
 use firmware::outbox::Sequence;
 use heapless::spsc::Consumer;
-use power::PINS;
 use stm32f4xx_hal::pac::{self, USART1, USART2};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Config;
 use stm32f4xx_hal::serial::{Config as SerialConfig, Rx, Serial, Tx};
-use wire::{BoardKind, FromBoard, HeaterFrame, MAX_FRAME, Provocation, ResetCause, encode};
+use table::BAUD;
+use wire::{FromBoard, HeaterFrame, MAX_FRAME, Provocation, ResetCause, encode};
 
-/// For the log.
-pub const NAME: &str = "virtual";
-/// For the host.
-pub const KIND: BoardKind = BoardKind::Virtual;
-/// As many as a message has room for.
-pub const ELEMENTS: usize = wire::MOST_ELEMENTS;
-
-/// This board's front end is a link.
-pub const IS_VIRTUAL: bool = true;
-/// What no message can lift.
-pub static HARDWARE_LIMITS: HardwareLimits = HardwareLimits::SIMULATED;
-/// The emulator's core clock.
-pub const CLOCK_HZ: u32 = 168_000_000;
-
-const BAUD: u32 = 921_600;
-
+/// What would be the heaters' pins.
+static PINS: AtomicUsize = AtomicUsize::new(0);
 static DEAD_MAN: DeadManCounter = DeadManCounter::stopped();
 /// Sequence number of the silence that needs a reply, plus one; 0 if there is none.
 static SILENCE: AtomicU32 = AtomicU32::new(0);
@@ -72,7 +54,7 @@ pub fn init(
     device: pac::Peripherals,
     _: &mut cortex_m::Peripherals,
     exchanges: Consumer<'static, Exchange>,
-) -> BoardParts<LinkFrontEnd, LinkReceiver, LinkTransmitter, NoWatchdog, LinkIdler, FileFlash> {
+) -> BoardParts {
     let mut rcc = device.RCC.freeze(Config::hsi());
     let gpioa = device.GPIOA.split(&mut rcc);
     let config = SerialConfig::default().baudrate(BAUD.bps());
@@ -87,23 +69,34 @@ pub fn init(
 
     let fifos = Fifos::open();
     BoardParts {
-        front_end: LinkFrontEnd {
+        front_end: FrontEnd {
             exchanges,
             replying_to: None,
             digest: Digest::default(),
             input: FrontEndInput::Element,
             usart: fifos.is_none().then_some((bench_tx, Sequence::new())),
         },
-        host_receiver: LinkReceiver(host_rx),
+        host_receiver: HostReceiver(host_rx),
         host_transmitter: fifos
-            .map_or(LinkTransmitter::Usart(host_tx), |fifos| LinkTransmitter::Fifo(fifos.from_board)),
-        watchdog: NoWatchdog,
-        idler: LinkIdler { fifos, buffer: [0; 256] },
-        settings: FileFlash::open(),
+            .map_or(HostTransmitter::Usart(host_tx), |fifos| HostTransmitter::Fifo(fifos.from_board)),
+        watchdog: Watchdog,
+        idler: Idler { fifos, buffer: [0; 256] },
+        settings: SettingsFlash::open(),
         // The emulated RCC does not keep the flags; the crash record in RAM shows whether there was
         // a reset.
         reset: ResetCause::Software,
     }
+}
+
+/// Puts all heaters at the low level at once.
+pub fn heaters_low() {
+    PINS.store(0, Relaxed);
+}
+
+/// A new start, with the RAM as it is. The emulator's links stay open.
+pub fn restart() -> ! {
+    heaters_low();
+    SCB::sys_reset()
 }
 
 /// The host counts the time; there is no interrupt to clear.
@@ -147,7 +140,7 @@ pub fn provoke(what: Provocation) {
             unsafe { byte.write_volatile(byte.read_volatile() ^ 1 << bit) };
         }
         Provocation::BitFlip { .. } => {}
-        Provocation::CutPower { after_bytes } => settings_flash::cut_after(after_bytes),
+        Provocation::CutPower { after_bytes } => file_flash::cut_after(after_bytes),
     }
 }
 
@@ -155,48 +148,29 @@ pub fn provoke(what: Provocation) {
 pub fn finish(code: u8) -> ! {
     let (used, size) = crate::stack::used();
     defmt::info!("{=u32} of {=u32} bytes of stack have been in use", used, size);
-    leave(code)
-}
-
-/// Leaves the emulator with an exit code.
-fn leave(code: u8) -> ! {
-    /// ADP_Stopped_ApplicationExit, the reason that carries a code.
-    const APPLICATION_EXIT: u32 = 0x2_0026;
-    /// The call that carries it; the crate knows only the one without a code.
-    const SYS_EXIT_EXTENDED: usize = 0x20;
-    let block = [APPLICATION_EXIT, u32::from(code)];
-    // SAFETY: SYS_EXIT_EXTENDED reads the two words of the block and does not come back.
-    unsafe { cortex_m_semihosting::syscall1(SYS_EXIT_EXTENDED, block.as_ptr() as usize) };
-    loop {
-        cortex_m::asm::nop();
-    }
+    semihosting::exit(code.into())
 }
 
 /// The two FIFOs of the fast link.
 #[derive(Clone, Copy)]
 struct Fifos {
-    to_board: usize,
-    from_board: usize,
+    to_board: File,
+    from_board: File,
 }
 
 impl Fifos {
     /// Opens them if the host has made them. The order is the host's as well: each side waits for
     /// the other.
     fn open() -> Option<Self> {
-        let open = |name: &core::ffi::CStr, mode: usize| {
-            // SAFETY: SYS_OPEN reads a zero-terminated name of the given length.
-            let handle = unsafe { syscall!(OPEN, name.as_ptr(), mode, name.count_bytes()) };
-            (handle != usize::MAX).then_some(handle)
-        };
         Some(Self {
-            to_board: open(c"to-board.fifo", nr::open::R_BINARY)?,
-            from_board: open(c"from-board.fifo", nr::open::W_TRUNC_BINARY)?,
+            to_board: File::open(c"to-board.fifo", nr::open::R_BINARY)?,
+            from_board: File::open(c"from-board.fifo", nr::open::W_TRUNC_BINARY)?,
         })
     }
 }
 
 /// Readings from a queue that the link fills, heater levels back over the link.
-pub struct LinkFrontEnd {
+pub struct FrontEnd {
     exchanges: Consumer<'static, Exchange>,
     replying_to: Option<u16>,
     digest: Digest,
@@ -205,7 +179,7 @@ pub struct LinkFrontEnd {
     usart: Option<(Tx<USART1>, Sequence)>,
 }
 
-impl LinkFrontEnd {
+impl FrontEnd {
     fn reply_levels(&mut self, to: u16, (wind_digest, has_wind): (Digest, bool)) -> Option<FromBoard> {
         let heaters = Heaters(PINS.load(Relaxed));
         let (digest, wind_digest) = (self.digest.value(), wind_digest.value());
@@ -221,7 +195,7 @@ impl LinkFrontEnd {
     }
 }
 
-impl ControlBoard<ELEMENTS> for LinkFrontEnd {
+impl ControlBoard<ELEMENTS> for FrontEnd {
     fn poll(&mut self) -> Option<[Reading; ELEMENTS]> {
         let (sequence, readings) = self.exchanges.peek()?;
         self.replying_to = Some(*sequence);
@@ -276,15 +250,6 @@ impl ControlBoard<ELEMENTS> for LinkFrontEnd {
         None
     }
 
-    /// The host counts what is lost on its link.
-    fn lost_conversions(&self) -> u32 {
-        0
-    }
-
-    fn edge_to_pins_us(&self) -> u32 {
-        0
-    }
-
     fn decided(&mut self, decider: &Decider<ELEMENTS>, tick: &Tick<ELEMENTS>) {
         decider.controller().digest(tick, &mut self.digest);
     }
@@ -299,14 +264,6 @@ impl ControlBoard<ELEMENTS> for LinkFrontEnd {
         let to = self.replying_to.take()?;
         self.reply_levels(to, estimated)
     }
-
-    fn keep_lockout(&mut self, words: &LockoutWords) {
-        crash_memory::write_lockout(words);
-    }
-
-    fn acknowledge_crash(&mut self) {
-        halt::acknowledge();
-    }
 }
 
 /// A byte of the simulated front end's link.
@@ -317,9 +274,9 @@ pub fn read_bench_byte() -> Option<u8> {
 }
 
 /// Bytes from the host.
-pub struct LinkReceiver(Rx<USART2>);
+pub struct HostReceiver(Rx<USART2>);
 
-impl LinkReceiver {
+impl HostReceiver {
     /// The next byte that has come.
     pub fn read(&mut self) -> Option<u8> {
         self.0.read().ok()
@@ -327,14 +284,14 @@ impl LinkReceiver {
 }
 
 /// Frames to the host.
-pub enum LinkTransmitter {
+pub enum HostTransmitter {
     /// By cable.
     Usart(Tx<USART2>),
-    /// By the fast link; its handle.
-    Fifo(usize),
+    /// By the fast link.
+    Fifo(File),
 }
 
-impl LinkTransmitter {
+impl HostTransmitter {
     /// The host notices a broken link.
     pub const fn is_well(&self) -> bool {
         true
@@ -348,33 +305,28 @@ impl LinkTransmitter {
     /// Sends a frame.
     pub fn send(&mut self, frame: &[u8]) {
         match self {
-            Self::Usart(usart) => {
-                // The emulated transmitter is always ready.
-                usart.bwrite_all(frame).ok();
-            }
-            Self::Fifo(handle) => {
-                // SAFETY: SYS_WRITE reads `frame.len()` bytes.
-                unsafe { syscall!(WRITE, *handle, frame.as_ptr(), frame.len()) };
-            }
+            // The emulated transmitter is always ready.
+            Self::Usart(usart) => drop(usart.bwrite_all(frame)),
+            Self::Fifo(file) => _ = file.write(frame),
         }
     }
 }
 
 /// The emulator has no watchdog; a timeout of the host replaces it.
-pub struct NoWatchdog;
+pub struct Watchdog;
 
-impl NoWatchdog {
+impl Watchdog {
     /// Nothing to feed.
     pub const fn feed(&mut self, _: bool) {}
 }
 
 /// Waits for the host on the fast link, for an interrupt otherwise.
-pub struct LinkIdler {
+pub struct Idler {
     fifos: Option<Fifos>,
     buffer: [u8; 256],
 }
 
-impl LinkIdler {
+impl Idler {
     /// The emulator has no timer.
     pub const fn prove_dead_man(&mut self) -> bool {
         true
@@ -391,13 +343,10 @@ impl LinkIdler {
             cortex_m::asm::wfi();
             return &[];
         };
-        // SAFETY: SYS_READ writes at most `len` bytes into the buffer and gives the number that it
-        // did not.
-        let unread = unsafe { syscall!(READ, fifos.to_board, self.buffer.as_mut_ptr(), self.buffer.len()) };
-        match self.buffer.len().checked_sub(unread) {
-            Some(read) if read > 0 => self.buffer.get(..read).unwrap_or(&[]),
+        match fifos.to_board.read(&mut self.buffer) {
             // The host has closed its end: there is nothing left to run for.
-            _ => finish(0),
+            0 => finish(0),
+            read => self.buffer.get(..read).unwrap_or(&[]),
         }
     }
 }

@@ -9,9 +9,10 @@
 //! The supply can be made to fail in the middle of it ([`cut_after`]): what has been written so far
 //! stays, and the board starts anew as if it had just been switched on.
 
-use super::power::lose_power;
+use super::semihosting::File;
+use crate::{board, halt};
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
-use cortex_m_semihosting::{nr, syscall};
+use cortex_m_semihosting::nr;
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
@@ -44,21 +45,21 @@ fn done_of(bytes: usize) -> (usize, bool) {
 
 /// The three sectors.
 pub struct FileFlash {
-    file: Option<usize>,
+    file: Option<File>,
 }
 
 impl FileFlash {
     /// Opens the file, if there is one.
     pub fn open() -> Self {
-        Self { file: open(nr::open::RW_BINARY) }
+        Self { file: File::open(FILE, nr::open::RW_BINARY) }
     }
 
     /// The file, made now if there is none.
-    fn file(&mut self) -> Result<usize, NorFlashErrorKind> {
+    fn file(&mut self) -> Result<File, NorFlashErrorKind> {
         if let Some(file) = self.file {
             return Ok(file);
         }
-        let file = open(nr::open::RW_TRUNC_BINARY).ok_or(NorFlashErrorKind::Other)?;
+        let file = File::open(FILE, nr::open::RW_TRUNC_BINARY).ok_or(NorFlashErrorKind::Other)?;
         for step in 0..SECTORS * ERASE_STEPS {
             put(file, step * STEP, &[0xff; STEP])?;
         }
@@ -67,30 +68,18 @@ impl FileFlash {
     }
 }
 
-fn open(mode: usize) -> Option<usize> {
-    // SAFETY: SYS_OPEN reads a zero-terminated name of the given length.
-    let handle = unsafe { syscall!(OPEN, FILE.as_ptr(), mode, FILE.count_bytes()) };
-    (handle != usize::MAX).then_some(handle)
+/// The supply is gone, and comes back: nothing is known of the life before.
+fn lose_power() -> ! {
+    halt::forget();
+    board::restart()
 }
 
-fn seek(file: usize, offset: usize) -> Result<(), NorFlashErrorKind> {
-    // SAFETY: SYS_SEEK takes two numbers.
-    let failed = unsafe { syscall!(SEEK, file, offset) };
-    if failed == 0 { Ok(()) } else { Err(NorFlashErrorKind::Other) }
+fn get(file: File, offset: usize, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
+    if file.seek(offset) && file.read(bytes) == bytes.len() { Ok(()) } else { Err(NorFlashErrorKind::Other) }
 }
 
-fn get(file: usize, offset: usize, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
-    seek(file, offset)?;
-    // SAFETY: SYS_READ writes at most `len` bytes.
-    let missing = unsafe { syscall!(READ, file, bytes.as_mut_ptr(), bytes.len()) };
-    if missing == 0 { Ok(()) } else { Err(NorFlashErrorKind::Other) }
-}
-
-fn put(file: usize, offset: usize, bytes: &[u8]) -> Result<(), NorFlashErrorKind> {
-    seek(file, offset)?;
-    // SAFETY: SYS_WRITE reads `len` bytes.
-    let missing = unsafe { syscall!(WRITE, file, bytes.as_ptr(), bytes.len()) };
-    if missing == 0 { Ok(()) } else { Err(NorFlashErrorKind::Other) }
+fn put(file: File, offset: usize, bytes: &[u8]) -> Result<(), NorFlashErrorKind> {
+    if file.seek(offset) && file.write(bytes) { Ok(()) } else { Err(NorFlashErrorKind::Other) }
 }
 
 impl ErrorType for FileFlash {

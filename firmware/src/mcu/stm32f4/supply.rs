@@ -13,7 +13,7 @@
 use super::has_arrived;
 use cortex_m::asm;
 use cortex_m::peripheral::SCB;
-use firmware::drivers::reset_flags;
+use firmware::mcu::stm32f4::reset_flags;
 use stm32f4xx_hal::pac::{EXTI, FLASH, PWR};
 use stm32f4xx_hal::rcc::{Enable, Rcc};
 

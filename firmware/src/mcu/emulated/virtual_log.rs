@@ -4,10 +4,12 @@
 //! still come between is a fault or a panic, and neither comes back: it begins a word of its own,
 //! and the decoder drops the broken one.
 
+use super::semihosting::File;
 use core::cell::UnsafeCell;
-use core::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
+use core::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use cortex_m::{interrupt, register::primask};
-use cortex_m_semihosting::{nr, syscall};
+use cortex_m_semihosting::nr;
+use firmware::flag::Flag;
 
 #[defmt::global_logger]
 struct Log;
@@ -20,7 +22,7 @@ unsafe impl Sync for Encoder {}
 
 static ENCODER: Encoder = Encoder(UnsafeCell::new(defmt::Encoder::new()));
 /// Interrupts were on before this word.
-static WERE_ON: AtomicBool = AtomicBool::new(false);
+static WERE_ON: Flag = Flag::new(false);
 /// Not opened yet. A file that cannot be opened has the same number, and is tried again with the
 /// next word.
 const CLOSED: usize = usize::MAX;
@@ -32,12 +34,10 @@ unsafe impl defmt::Logger for Log {
     fn acquire() {
         let were_on = primask::read().is_active();
         interrupt::disable();
-        WERE_ON.store(were_on, Relaxed);
+        WERE_ON.set(were_on);
         if FILE.load(Relaxed) == CLOSED {
-            let name = c":tt";
-            // SAFETY: SYS_OPEN reads a zero-terminated name of the given length; this one is the
-            // standard output.
-            FILE.store(unsafe { syscall!(OPEN, name.as_ptr(), nr::open::W_TRUNC, name.count_bytes()) }, Relaxed);
+            // The standard output.
+            FILE.store(File::open(c":tt", nr::open::W_TRUNC).map_or(CLOSED, |file| file.0), Relaxed);
         }
         // SAFETY: interrupts are off.
         unsafe { (*ENCODER.0.get()).start_frame(write) };
@@ -48,7 +48,7 @@ unsafe impl defmt::Logger for Log {
     unsafe fn release() {
         // SAFETY: as in `acquire`.
         unsafe { (*ENCODER.0.get()).end_frame(write) };
-        if WERE_ON.load(Relaxed) {
+        if WERE_ON.is_raised() {
             // SAFETY: they were on.
             unsafe { interrupt::enable() };
         }
@@ -61,6 +61,5 @@ unsafe impl defmt::Logger for Log {
 }
 
 fn write(bytes: &[u8]) {
-    // SAFETY: SYS_WRITE reads `len` bytes.
-    unsafe { syscall!(WRITE, FILE.load(Relaxed), bytes.as_ptr(), bytes.len()) };
+    File(FILE.load(Relaxed)).write(bytes);
 }

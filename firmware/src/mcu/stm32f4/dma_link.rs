@@ -1,4 +1,4 @@
-//! The host on USART2, 921 600 baud, both ways by DMA.
+//! The host on USART2, both ways by DMA.
 //!
 //! ```text
 //! frame ─► TELEMETRY_FRAME ─► DMA1 stream 6 ─► PA2
@@ -29,11 +29,11 @@
 //! only if the host goes on sending just as its line was found idle: that frame's checksum then
 //! fails, and the host repeats.
 
+use super::clocks::{COUNTS_PER_US, counts};
 use super::has_arrived;
-use super::stopwatch::{COUNTS_PER_US, counts};
 use core::ops::Range;
 use core::sync::atomic::{AtomicU8, Ordering::Relaxed, Ordering::SeqCst, fence};
-use firmware::drivers::circle::Circle;
+use firmware::mcu::stm32f4::circle::Circle;
 use stm32f4xx_hal::dma::config::Priority;
 use stm32f4xx_hal::dma::traits::{DMASet, PeriAddress};
 use stm32f4xx_hal::dma::{
@@ -48,7 +48,6 @@ use stm32f4xx_hal::serial::{Config, Rx, Serial, Tx};
 use stm32f4xx_hal::{ClearFlags, Listen};
 use wire::MAX_FRAME;
 
-const BAUD: u32 = 921_600;
 /// Bytes from the host that may wait: 5.5 ms of them.
 const RECEIVED: usize = 512;
 
@@ -58,6 +57,8 @@ const LONGEST_FRAME_US: u32 = 7_000;
 const MOST_RECOVERIES: u8 = 3;
 /// Reads of a stream's enable bit, which stays until a byte under way is through.
 const DISABLING_ROUNDS: u32 = 1_000;
+/// FE, NF, ORE and IDLE of USART_SR, which hold the interrupt.
+const HOLDING: u16 = 0b1_1110;
 
 // Atomics, because somebody else reads and writes them: the DMA. They cost what plain bytes do.
 static TELEMETRY_FRAME: [AtomicU8; MAX_FRAME] = [const { AtomicU8::new(0) }; MAX_FRAME];
@@ -73,25 +74,31 @@ pub fn buffers() -> [Range<u32>; 2] {
 
 /// Sets up both directions; receiving begins.
 #[expect(clippy::expect_used, reason = "start-up, before any heater is raised")]
-pub fn start(usart: USART2, dma: DMA1, tx: PA2, rx: PA3, rcc: &mut Rcc) -> (DmaTransmitter, DmaReceiver)
+pub fn start(
+    usart: USART2,
+    dma: DMA1,
+    (tx, rx): (PA2, PA3),
+    baud: u32,
+    rcc: &mut Rcc,
+) -> (HostTransmitter, HostReceiver)
 where
     Tx<USART2>: DMASet<Stream6<DMA1>, 4, MemoryToPeripheral>,
     Rx<USART2>: DMASet<Stream5<DMA1>, 4, PeripheralToMemory>,
 {
-    let config = Config::default().baudrate(BAUD.bps()).dma(DmaConfig::TxRx);
+    let config = Config::default().baudrate(baud.bps()).dma(DmaConfig::TxRx);
     let rx = rx.into_alternate().internal_resistor(stm32f4xx_hal::gpio::Pull::Up);
-    let serial = Serial::<USART2>::new(usart, (tx, rx), config, rcc).expect("921 600 baud can be made of 42 MHz");
+    let serial = Serial::<USART2>::new(usart, (tx, rx), config, rcc).expect("the baud rate can be made of 42 MHz");
     let (tx, mut rx) = serial.split();
     let streams = StreamsTuple::new(dma, rcc);
 
-    let mut transmitter = DmaTransmitter { stream: streams.6, line: tx.address(), began: counts(), recoveries: 0 };
+    let mut transmitter = HostTransmitter { stream: streams.6, line: tx.address(), began: counts(), recoveries: 0 };
     transmitter.set_up();
 
     rx.listen_idle();
     // SAFETY: nobody else uses the USART yet, and the HAL has no name for this bit: the errors
     // raise the interrupt too.
     unsafe { (*USART2::ptr()).cr3().modify(|_, w| w.eie().set_bit()) };
-    let mut receiver = DmaReceiver { stream: streams.5, circle: Circle::new(RECEIVED as u16) };
+    let mut receiver = HostReceiver { stream: streams.5, circle: Circle::new(RECEIVED as u16) };
     configure(&mut receiver.stream, DmaDirection::PeripheralToMemory, rx.address(), &TELEMETRY_RECEIVED);
     // Before all else on this controller: a byte that waits too long is lost, a frame that waits is
     // late.
@@ -119,7 +126,7 @@ fn configure(
 }
 
 /// Frames to the host.
-pub struct DmaTransmitter {
+pub struct HostTransmitter {
     stream: Stream6<DMA1>,
     /// Address of the USART's data register.
     line: u32,
@@ -129,7 +136,7 @@ pub struct DmaTransmitter {
     recoveries: u8,
 }
 
-impl DmaTransmitter {
+impl HostTransmitter {
     /// Whether the last frame has left the buffer. A stream that is stuck is set up anew.
     pub fn is_free(&mut self) -> bool {
         if !self.stream.is_enabled() {
@@ -205,12 +212,12 @@ pub fn acknowledge_received() {
 }
 
 /// Bytes from the host.
-pub struct DmaReceiver {
+pub struct HostReceiver {
     stream: Stream5<DMA1>,
     circle: Circle,
 }
 
-impl DmaReceiver {
+impl HostReceiver {
     /// The next byte that has come.
     pub fn read(&mut self) -> Option<u8> {
         let index = match self.circle.next() {
@@ -228,12 +235,7 @@ impl DmaReceiver {
     fn look(&mut self) {
         // SAFETY: only this task reads these two registers once the link is set up.
         let usart = unsafe { &*USART2::ptr() };
-        let status = usart.sr().read();
-        if status.idle().bit_is_set()
-            || status.ore().bit_is_set()
-            || status.nf().bit_is_set()
-            || status.fe().bit_is_set()
-        {
+        if usart.sr().read().bits() & HOLDING != 0 {
             usart.dr().read();
         }
         // Only an error on the memory bus stops a circular stream, which a fixed address in RAM

@@ -1,6 +1,6 @@
 //! Proof tests in the background: what is left of 20 beats of SysTick a second, in the idle task.
 //!
-//! - **Clock**: once a second, for 0.5 ms ([`clock_check`]).
+//! - **Clock**: once a second, for 0.5 ms ([`dead_man::is_clock_right`]).
 //! - **Flash**: 1 KiB of the image a beat ([`FlashCheck`]), 20 KiB a second; all tasks go before
 //!   it. An image of 240 KiB is through in 12 s.
 //! - **RAM**: 16 blocks of 16 bytes a beat, all 128 KiB in 25.6 s. Each block is marched with
@@ -17,8 +17,7 @@
 //! tested, the stack under this very function, too: the march is one piece of assembly that uses
 //! registers only. NMI and hard fault alone can come in between, and never return.
 
-use super::clock_check;
-use super::host_link;
+use super::{dead_man, dma_link};
 use core::arch::asm;
 use core::ops::Range;
 use core::slice;
@@ -71,9 +70,9 @@ impl BackgroundChecks {
         if !flash.has_checksum() {
             defmt::warn!("the image has no checksum: only what changes from now on is found");
         }
-        clock_check::start();
+        dead_man::start_captures();
         let log = &raw const _SEGGER_RTT as u32;
-        let [sent, received] = host_link::buffers();
+        let [sent, received] = dma_link::buffers();
         Self { flash, ram: RamWalk::new(RAM, [sent, received, log..log + RTT_HEAD]), beat: 0 }
     }
 
@@ -89,7 +88,7 @@ impl BackgroundChecks {
             return Some(Cause::ProofTest);
         }
         self.beat = (self.beat + 1) % BEATS_A_SECOND;
-        if self.beat == 0 && !clock_check::is_clock_right() {
+        if self.beat == 0 && !dead_man::is_clock_right() {
             return Some(Cause::Clock);
         }
         let mut is_well = self.flash.step();

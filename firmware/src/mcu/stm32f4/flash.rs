@@ -11,7 +11,7 @@
 //!   sheet, words). Any access to the flash waits meanwhile, fetching code from it too: **the
 //!   processor stands still**. The heaters are low then (settings are written in standby only, and
 //!   nothing starts meanwhile), and the watchdog is given time before. Conversions that come
-//!   meanwhile are lost: the front end is told ([`take_erase`]), counts them and makes no tick of
+//!   meanwhile are lost: the front end is told ([`HAS_ERASED`]), counts them and makes no tick of
 //!   them, so that the guard judges none of our own making.
 //! - **Caches**: an erase does not reach lines that the data cache holds of the sector, so it is
 //!   reset afterwards, for which it has to be off.
@@ -22,11 +22,11 @@
 use super::clocks::{CYCLES_PER_US, cycles};
 use super::watchdog;
 use crate::vitals::CHECK_INS;
-use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
 use firmware::check_ins::Member;
+use firmware::flag::Flag;
 use stm32f4xx_hal::pac::FLASH;
 
 const START: usize = 0x0800_4000;
@@ -43,22 +43,16 @@ const ERRORS: u32 = 0b1111_0010;
 const LONGEST_ERASE_US: u32 = 1_000_000;
 const LONGEST_WRITE_US: u32 = 1_000;
 
-/// An erase has begun since the front end last asked.
-static HAS_ERASED: AtomicBool = AtomicBool::new(false);
+/// An erase has stopped the processor since the front end last asked.
+pub static HAS_ERASED: Flag = Flag::new(false);
 
-/// Returns true once after an erase has stopped the processor; for the front end.
-pub fn take_erase() -> bool {
-    let has_erased = HAS_ERASED.load(Relaxed);
-    if has_erased {
-        HAS_ERASED.store(false, Relaxed);
-    }
-    has_erased
-}
+/// Result of work on the flash.
+type Done = Result<(), NorFlashErrorKind>;
 
 /// The three sectors.
-pub struct SectorFlash(FLASH);
+pub struct SettingsFlash(FLASH);
 
-impl SectorFlash {
+impl SettingsFlash {
     /// Takes the flash's registers.
     pub const fn new(flash: FLASH) -> Self {
         Self(flash)
@@ -68,7 +62,7 @@ impl SectorFlash {
         self.0.sr().read().bsy().bit_is_set()
     }
 
-    fn wait(&self, longest_us: u32) -> Result<(), NorFlashErrorKind> {
+    fn wait(&self, longest_us: u32) -> Done {
         let started = cycles();
         while self.is_busy() {
             if cycles().wrapping_sub(started) > longest_us * CYCLES_PER_US {
@@ -80,10 +74,7 @@ impl SectorFlash {
 
     /// Does something with the flash unlocked, and locks it again whatever comes of it. A flash
     /// that stays busy is left alone: a store to FLASH_CR would never end (RM0090, "FLASH_CR").
-    fn unlocked(
-        &mut self,
-        work: impl FnOnce(&mut Self) -> Result<(), NorFlashErrorKind>,
-    ) -> Result<(), NorFlashErrorKind> {
+    fn unlocked(&mut self, work: impl FnOnce(&mut Self) -> Done) -> Done {
         if self.is_busy() {
             return Err(NorFlashErrorKind::Other);
         }
@@ -112,12 +103,12 @@ impl SectorFlash {
         acr.modify(|_, w| w.dcen().bit(on));
     }
 
-    fn erase_sector(&mut self, number: u8) -> Result<(), NorFlashErrorKind> {
+    fn erase_sector(&mut self, number: u8) -> Done {
         // SAFETY: the number is one of the settings' sectors.
         self.0.cr().modify(|_, w| unsafe { w.psize().psize32().snb().bits(number).pg().clear_bit().ser().set_bit() });
         // Nobody may take the note before the processor stands still.
         cortex_m::interrupt::free(|_| {
-            HAS_ERASED.store(true, Relaxed);
+            HAS_ERASED.raise();
             self.0.cr().modify(|_, w| w.strt().set_bit());
         });
         self.wait(LONGEST_ERASE_US)?;
@@ -128,14 +119,14 @@ impl SectorFlash {
     }
 }
 
-impl ErrorType for SectorFlash {
+impl ErrorType for SettingsFlash {
     type Error = NorFlashErrorKind;
 }
 
-impl ReadNorFlash for SectorFlash {
+impl ReadNorFlash for SettingsFlash {
     const READ_SIZE: usize = 1;
 
-    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Done {
         check_read(self, offset, bytes.len())?;
         for (address, byte) in (START + offset as usize..).zip(bytes) {
             // SAFETY: it is in flash, which can always be read. Volatile, since it changes without
@@ -150,11 +141,11 @@ impl ReadNorFlash for SectorFlash {
     }
 }
 
-impl NorFlash for SectorFlash {
+impl NorFlash for SettingsFlash {
     const WRITE_SIZE: usize = WORD;
     const ERASE_SIZE: usize = SECTOR;
 
-    fn erase(&mut self, from: u32, to: u32) -> Result<(), NorFlashErrorKind> {
+    fn erase(&mut self, from: u32, to: u32) -> Done {
         check_erase(self, from, to)?;
         let sectors = from as usize / SECTOR..to as usize / SECTOR;
         self.unlocked(|flash| {
@@ -168,7 +159,7 @@ impl NorFlash for SectorFlash {
         })
     }
 
-    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), NorFlashErrorKind> {
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Done {
         check_write(self, offset, bytes.len())?;
         CHECK_INS.check_in(Member::Settings);
         self.unlocked(|flash| {
