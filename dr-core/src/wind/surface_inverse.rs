@@ -312,10 +312,12 @@ fn solve(
         Some(near) => near,
         None => inverse.descend(starts[0].or(last)?, &mut left),
     };
-    if !fits(&best, inverse.variance) {
-        left = left.min(STEPS_OF_MISFITS);
-    } else if !twins {
+    let is_good = fits(&best, inverse.variance);
+    if !twins && (is_good || inverse.form != HeadForm::Wires) {
         return Some((best, None));
+    }
+    if !is_good {
+        left = left.min(STEPS_OF_MISFITS);
     }
     let elsewhere = if near.is_some() { starts[0] } else { last };
     for start in [starts[1], elsewhere].into_iter().flatten() {

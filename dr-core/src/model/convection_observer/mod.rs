@@ -370,18 +370,25 @@ impl<const N: usize> ConvectionObserver<N> {
             let Some(own) = &self.self_heating[i] else { return 0.0 };
             own.rest_c + warmed_k[i] + own.symbol.output(&initial.self_heating[i]) - input.temperature_c[i]
         });
+        // Rise of the element of each row by heat at the surface of each column, K/W.
+        let mut steady_k_per_w = [[0.0; N]; N];
+        for (i, own) in self.self_heating.iter().enumerate() {
+            steady_k_per_w[i][i] = own.as_ref().map_or(0.0, |own| own.surface_k_per_w.steady_gain_k_per_w());
+        }
+        for cross in self.cross_heating.iter().map_while(Option::as_ref) {
+            if let (Some(row), Some(from)) = (steady_k_per_w.get_mut(usize::from(cross.to)), cross.source::<N>()) {
+                row[from] = cross.surface_k_per_w.steady_gain_k_per_w();
+            }
+        }
         let q = &mut initial.convection_w;
         for _ in 0..ROUNDS {
             for (i, own) in self.self_heating.iter().enumerate() {
-                let Some(own) = own.as_ref().filter(|own| own.gains.convects()) else { continue };
-                let mut left_k = too_warm_k[i];
-                for cross in
-                    self.cross_heating.iter().map_while(Option::as_ref).filter(|cross| usize::from(cross.to) == i)
-                {
-                    let Some(from) = cross.source::<N>() else { break };
-                    left_k -= cross.surface_k_per_w.steady_gain_k_per_w() * q[from];
+                if own.as_ref().is_none_or(|own| !own.gains.convects()) {
+                    continue;
                 }
-                q[i] = left_k / own.surface_k_per_w.steady_gain_k_per_w();
+                let others = steady_k_per_w[i].iter().zip(&*q).enumerate().filter(|(j, _)| *j != i);
+                let left_k = others.fold(too_warm_k[i], |left_k, (_, (k_per_w, q))| left_k - k_per_w * q);
+                q[i] = left_k / steady_k_per_w[i][i];
             }
         }
         self.settle(&mut initial, input);
