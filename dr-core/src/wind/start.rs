@@ -19,7 +19,7 @@
 
 use super::form::HeadForm;
 use super::gauss_newton::Inverse;
-use super::normal::{Factors, Matrix, decouple, plus_outer, quadratic};
+use super::normal::{Factors, decouple, plus_outer};
 use super::nusselt::POINTS;
 use super::surface::NusseltSurface;
 use crate::arithmetic::{cross, dot, length, plus, scaled, sqrt};
@@ -62,7 +62,8 @@ pub fn starts(inverse: &Inverse) -> [Option<[f32; 3]>; 2] {
 struct Linear {
     measured: [f32; 3],
     level: [f32; 3],
-    matrix: Matrix,
+    /// M times the two: Σ h_i n_i Nu_i and Σ h_i n_i.
+    right: [[f32; 3]; 2],
     /// Σ Nu_i², Σ Nu_i and their number.
     sums: [f32; 3],
     /// Components of w that follow from these.
@@ -94,7 +95,7 @@ impl Linear {
         Some(Self {
             measured: factors.solve(measured),
             level: factors.solve(level),
-            matrix,
+            right: [measured, level],
             sums,
             determined,
             complete: determined == inverse.frame.unknowns(),
@@ -128,7 +129,8 @@ impl Linear {
         // Without a direction, or without any that matters, nothing is divided by zero.
         let size = sqrt(dot(first, first)).max(1e-6 * a1).max(f32::MIN_POSITIVE);
         let share = a1 / self.length(size, a1);
-        squares + a0 * (count * a0 - 2.0 * sum) + share * (share - 2.0) * quadratic(&self.matrix, first)
+        let right = plus(self.right[0], -a0, self.right[1]);
+        squares + a0 * (count * a0 - 2.0 * sum) + share * (share - 2.0) * dot(first, right)
     }
 
     fn wind(&self, inverse: &Inverse, reynolds: f32, a0: f32, a1: f32) -> [f32; 3] {
