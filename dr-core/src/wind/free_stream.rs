@@ -19,8 +19,8 @@
 //! F and E go smoothly through values at [`STEM_KNOTS`] even chords; a stem map of multi-hole
 //! probes is such a table, too. b = 0 adds the whole rise to any wind; b = 1.22, a = 0.61 is forced
 //! and free convection of a sphere together. The surfaces' own inverse knows the stream alone; the
-//! wind follows from it by halving an interval, so that it comes out alike everywhere, and its
-//! covariance by the derivative of v_e.
+//! wind follows from it by steps within an interval that shrinks, so that it comes out alike
+//! everywhere, and its covariance by the derivative of v_e.
 //!
 //! *Limits.* One stream for the whole head; the stem's shade is the same at all speeds.
 
@@ -228,15 +228,30 @@ impl RiseConfig {
     }
 
     /// A stream without its rise: U = |v_e − r(U) ẑ| has one solution, since r falls by less than U
-    /// grows.
+    /// grows. Newton's steps, or halvings of the interval where one would leave it.
     fn without(&self, met_m_s: [f32; 3], rise_speed_m_s: f32) -> [f32; 3] {
-        let at = |speed_m_s: f32| plus(met_m_s, -self.at(speed_m_s, rise_speed_m_s), self.up);
-        let (mut least, mut most) = (0.0, length(met_m_s) + self.at_rest * rise_speed_m_s);
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (least + most);
-            if length(at(middle)) > middle { least = middle } else { most = middle }
+        let mut speed_m_s = length(met_m_s);
+        let (mut least, mut most) = (0.0, speed_m_s + self.at_rest * rise_speed_m_s);
+        let per_square = self.decay / (self.at_rest * rise_speed_m_s * rise_speed_m_s);
+        let mut halvings = HALVINGS;
+        loop {
+            let rise_m_s = self.at(speed_m_s, rise_speed_m_s);
+            let there = plus(met_m_s, -rise_m_s, self.up);
+            let found_m_s = length(there);
+            let off_m_s = found_m_s - speed_m_s;
+            if halvings == 0 || off_m_s.max(-off_m_s) <= f32::EPSILON * speed_m_s {
+                return there;
+            }
+            halvings -= 1;
+            if off_m_s > 0.0 {
+                least = speed_m_s
+            } else {
+                most = speed_m_s
+            }
+            let slope = 1.0 - per_square * rise_m_s * rise_m_s * dot(there, self.up) / found_m_s;
+            let next_m_s = speed_m_s + off_m_s / slope;
+            speed_m_s = if next_m_s > least && next_m_s < most { next_m_s } else { 0.5 * (least + most) };
         }
-        at(0.5 * (least + most))
     }
 }
 

@@ -5,11 +5,11 @@
 //! (A + λ diag A) Δ = Σ W_i J_i (Nu_i − Nu_i(r)),   A = Σ W_i J_i J_iᵀ
 //! ```
 //!
-//! λ begins at 0.01; a step that makes the sum smaller is taken and divides it by 10, down to 10⁻⁵;
-//! another one is dropped and multiplies it by 10. A step is never longer than 0.7 of r, or the
+//! λ begins at 0.01, or from the last wind at 10⁻⁵. A step that makes the sum smaller is taken and
+//! divides it by 10, down to 10⁻⁵; another one is dropped and multiplies it by 10. A step is never longer than 0.7 of r, or the
 //! least Reynolds number of the grid if that is more: Nu is steep at rest, and a longer one would
-//! run through it. It ends where an undamped step is a hundredth of its standard error or 10⁻⁵ of
-//! r, or after `MOST_STEPS`.
+//! run through it. It ends where an undamped step is a hundredth of its standard error, by the
+//! variances or by what is left of the sum, or 10⁻⁵ of r, or after `MOST_STEPS`.
 //!
 //! All of it goes on in the components of the head's frame; those beyond its unknowns stay zero.
 
@@ -21,10 +21,13 @@ use super::surface::{LocalNusselt, NusseltSurface};
 use crate::arithmetic::{dot, length, plus, scaled};
 
 /// Most steps from one start, dropped ones included.
-pub const MOST_STEPS: u8 = 16;
-/// Most steps for one estimate: it must be finished before the next tick, whatever was measured.
-pub const MOST_STEPS_IN_ALL: u8 = 23;
+const MOST_STEPS: u8 = 8;
+/// The same of wires, which are often on a fold.
+const MOST_STEPS_OF_WIRES: u8 = 16;
+/// A wind that has not jumped is found from the last one in so many steps.
+const STEPS_FROM_LAST: u8 = 2;
 
+/// Damping of the first step from the linear inverse.
 const DAMPING: f32 = 0.01;
 /// Enough for the equations to be solved where one direction has no effect.
 const LEAST_DAMPING: f32 = 1e-5;
@@ -122,36 +125,40 @@ impl Inverse<'_> {
     ///
     /// The steps are taken off `left`; with none left it goes nowhere.
     pub fn descend(&self, start: [f32; 3], left: &mut u8) -> GaussNewtonResult {
-        self.descend_within(start, MOST_STEPS, left)
-    }
-
-    /// The same in so many steps at most.
-    pub fn descend_within(&self, start: [f32; 3], most: u8, left: &mut u8) -> GaussNewtonResult {
-        let found = self.steps_down(start, most.min(*left));
+        let most = if self.form == HeadForm::Wires { MOST_STEPS_OF_WIRES } else { MOST_STEPS };
+        let found = self.steps_down(start, DAMPING, most.min(*left));
         *left -= found.steps;
         found
     }
 
-    fn steps_down(&self, start: [f32; 3], most: u8) -> GaussNewtonResult {
+    /// Goes down from the last wind, which is near.
+    pub fn follow(&self, last: [f32; 3]) -> GaussNewtonResult {
+        self.steps_down(last, LEAST_DAMPING, STEPS_FROM_LAST)
+    }
+
+    fn steps_down(&self, start: [f32; 3], mut damping: f32, most: u8) -> GaussNewtonResult {
         let mut reynolds = start;
         let mut here = self.equations(reynolds);
-        let mut damping = DAMPING;
         let nothing = ROUNDING_OF_NOTHING * self.seen().map(|(_, o)| o.weight * o.nusselt * o.nusselt).sum::<f32>();
-        for steps in 0..most {
+        let mut steps = 0;
+        loop {
             let found =
                 |converged| GaussNewtonResult { reynolds, cost: here.cost, normal: here.normal, steps, converged };
             let Some(factors) = Factors::of(&damped(&here.normal, damping)) else { return found(false) };
             let step = factors.solve(here.right);
             let (length_2, here_2) = (dot(step, step), dot(reynolds, reynolds));
             let decrease = dot(step, here.right);
-            let small = decrease <= SMALL_DECREASE * self.variance || length_2 <= SMALL_STEP * SMALL_STEP * here_2;
-            if small && damping <= MOST_DAMPING_AT_THE_END {
-                return found(true);
+            let small = decrease <= SMALL_DECREASE * self.variance.max(here.cost)
+                || length_2 <= SMALL_STEP * SMALL_STEP * here_2;
+            let converged = small && damping <= MOST_DAMPING_AT_THE_END;
+            if converged || steps >= most {
+                return found(converged);
             }
             let (size, longest) = (length(step), self.nusselt.least_reynolds().max(LONGEST_STEP * length(reynolds)));
             let share = if size > longest { longest / size } else { 1.0 };
             let next = plus(reynolds, share, self.frame.outward(step));
             let there = self.equations(next);
+            steps += 1;
             if there.cost <= here.cost * (1.0 + ROUNDING) + nothing {
                 (reynolds, here) = (next, there);
                 damping = (0.1 * damping).max(LEAST_DAMPING);
@@ -159,7 +166,6 @@ impl Inverse<'_> {
                 damping *= 10.0;
             }
         }
-        GaussNewtonResult { reynolds, cost: here.cost, normal: here.normal, steps: most, converged: false }
     }
 
     /// The equations at a Reynolds vector.

@@ -37,7 +37,7 @@ pub fn starts(inverse: &Inverse) -> [Option<[f32; 3]>; 2] {
     let Some(linear) = Linear::of(inverse) else { return [None; 2] };
     let mut costs = [0.0_f32; POINTS];
     for (cost, (_, a0, a1)) in costs.iter_mut().zip(inverse.nusselt.points()) {
-        *cost = linear.cost(inverse, a0, a1);
+        *cost = linear.cost(a0, a1);
     }
     let mut best: [Option<(f32, [f32; 3])>; 2] = [None; 2];
     let mut before = f32::INFINITY;
@@ -62,6 +62,10 @@ pub fn starts(inverse: &Inverse) -> [Option<[f32; 3]>; 2] {
 struct Linear {
     measured: [f32; 3],
     level: [f32; 3],
+    /// M times the two: Σ h_i n_i Nu_i and Σ h_i n_i.
+    right: [[f32; 3]; 2],
+    /// Σ Nu_i², Σ Nu_i and their number.
+    sums: [f32; 3],
     /// Components of w that follow from these.
     determined: usize,
     complete: bool,
@@ -74,12 +78,13 @@ impl Linear {
             HeadForm::Wires => inverse.doubled_span(),
             _ => inverse.frame.determined(),
         };
-        let (mut matrix, mut measured, mut level) = ([[0.0; 3]; 3], [0.0; 3], [0.0; 3]);
+        let (mut matrix, mut measured, mut level, mut sums) = ([[0.0; 3]; 3], [0.0; 3], [0.0; 3], [0.0; 3]);
         for (part, observed) in inverse.seen() {
             let axis = scaled(inverse.linear_axis(part), part.first_mean());
             plus_outer(&mut matrix, 1.0, axis);
             measured = plus(measured, observed.nusselt, axis);
             level = plus(level, 1.0, axis);
+            sums = plus(sums, 1.0, [observed.nusselt * observed.nusselt, observed.nusselt, 1.0]);
         }
         for k in determined..3 {
             // All axes lie in the first directions: these rows hold roundings.
@@ -90,6 +95,8 @@ impl Linear {
         Some(Self {
             measured: factors.solve(measured),
             level: factors.solve(level),
+            right: [measured, level],
+            sums,
             determined,
             complete: determined == inverse.frame.unknowns(),
         })
@@ -97,27 +104,33 @@ impl Linear {
 
     /// w, or the components of it that are determined.
     fn from(&self, a0: f32, a1: f32) -> [f32; 3] {
-        let first = plus(self.measured, -a0, self.level);
+        let first = self.first(a0);
         let size = sqrt(dot(first, first));
         if size <= 1e-6 * a1 {
             return if self.complete { [1.0, 0.0, 0.0] } else { [0.0; 3] };
         }
-        scaled(first, 1.0 / if self.complete { size } else { size.max(a1) })
+        scaled(first, 1.0 / self.length(size, a1))
     }
 
-    fn cost(&self, inverse: &Inverse, a0: f32, a1: f32) -> f32 {
-        let from = self.from(a0, a1);
-        // A vector goes out once; the axes of wires are turned in the frame.
-        let wires = inverse.form == HeadForm::Wires;
-        let outside = inverse.frame.outward(from);
-        inverse
-            .seen()
-            .map(|(part, observed)| {
-                let along = if wires { dot(inverse.linear_axis(part), from) } else { dot(part.axis(), outside) };
-                let error = observed.nusselt - a0 - a1 * part.first_mean() * along;
-                error * error
-            })
-            .sum()
+    /// a_1 w without regard to the length of w.
+    fn first(&self, a0: f32) -> [f32; 3] {
+        plus(self.measured, -a0, self.level)
+    }
+
+    /// The length that becomes one, of what has this size.
+    fn length(&self, size: f32, a1: f32) -> f32 {
+        if self.complete { size } else { size.max(a1) }
+    }
+
+    /// Σ (Nu_i − a_0 − a_1 h_i n_i·w)²
+    fn cost(&self, a0: f32, a1: f32) -> f32 {
+        let [squares, sum, count] = self.sums;
+        let first = self.first(a0);
+        // Without a direction, or without any that matters, nothing is divided by zero.
+        let size = sqrt(dot(first, first)).max(1e-6 * a1).max(f32::MIN_POSITIVE);
+        let share = a1 / self.length(size, a1);
+        let right = plus(self.right[0], -a0, self.right[1]);
+        squares + a0 * (count * a0 - 2.0 * sum) + share * (share - 2.0) * dot(first, right)
     }
 
     fn wind(&self, inverse: &Inverse, reynolds: f32, a0: f32, a1: f32) -> [f32; 3] {

@@ -31,13 +31,13 @@
 //! goes on as Re^0.42 gives 1 % of speed at 1.4 times its last Reynolds number and less than 10 %
 //! at 4 times.
 //!
-//! *Cost*: see `docs/reference/numbers.md`. No wind and a missing sector cost most; the limit is
-//! `gauss_newton::MOST_STEPS_IN_ALL` steps from all starts together.
+//! *Cost*: see `docs/reference/numbers.md`. From the last wind it takes one or two steps. No wind
+//! costs more, a missing sector most: up to `MOST_STEPS_IN_ALL` steps from all starts together.
 
 use super::estimate::{LeastSquaresSolution, WindEstimate};
 use super::form::{HeadForm, MOST_SURFACES};
 use super::gas::GasState;
-use super::gauss_newton::{GaussNewtonResult, Inverse, MOST_STEPS_IN_ALL, StreamAround, WeightedNusselt};
+use super::gauss_newton::{GaussNewtonResult, Inverse, StreamAround, WeightedNusselt};
 use super::head_frame::HeadFrame;
 use super::normal::{Matrix, plus};
 use super::nusselt::{Nusselt, NusseltConfig};
@@ -51,8 +51,10 @@ use crate::error::{self, ConfigError, Parameter, ParameterProblem};
 const SAME: f32 = 0.01;
 /// A solution whose χ² is larger by at most this is as good: three standard errors.
 const AS_GOOD: f32 = 9.0;
-/// A wind that has not jumped is found from the last one in so many steps.
-const STEPS_FROM_LAST: u8 = 3;
+/// Most steps from all starts together: an estimate must be finished before the next tick.
+const MOST_STEPS_IN_ALL: u8 = 20;
+/// Steps that are left where the first start ends at no wind that fits: seldom another one does.
+const STEPS_OF_MISFITS: u8 = 2;
 /// Share of the speed, or of the least Reynolds number of the grid, that is put across the axes to
 /// judge what is there.
 const LEAST_ACROSS: f32 = 0.02;
@@ -292,30 +294,37 @@ fn fits(found: &GaussNewtonResult, variance: f32) -> bool {
 /// A complete head has one minimum near the linear inverse; from the last wind it is a step or two.
 /// Wires have one on either side of each axis, of which the linear inverse takes the one that they
 /// face and the last wind may have another. Where surfaces are missing or hardly known (`twins`),
-/// all starts are followed, the other side of the fold among them; of solutions that are as good as
-/// each other the one nearest to `last` is taken, or without a last one the better.
+/// the other side of the fold is looked for, too; of solutions that are as good as each other the
+/// one nearest to `last` is taken, or without a last one the better.
 fn solve(
     inverse: &Inverse,
     last: Option<[f32; 3]>,
     twins: bool,
 ) -> Option<(GaussNewtonResult, Option<GaussNewtonResult>)> {
-    let mut left = MOST_STEPS_IN_ALL;
-    if let (Some(last), false) = (last, twins || inverse.form == HeadForm::Wires) {
-        let near = inverse.descend_within(last, STEPS_FROM_LAST, &mut left);
-        if near.converged && near.cost <= AS_GOOD * inverse.variance {
-            return Some((near, None));
-        }
+    let near = last.filter(|_| inverse.form != HeadForm::Wires).map(|last| inverse.follow(last));
+    let near = near.filter(|near| near.converged && near.cost <= AS_GOOD * inverse.variance);
+    if let (Some(near), false) = (near, twins) {
+        return Some((near, None));
     }
-    let [first, second] = starts(inverse);
-    let mut best = inverse.descend(first.or(last)?, &mut left);
-    if !twins && fits(&best, inverse.variance) {
+    let mut left = MOST_STEPS_IN_ALL;
+    let (mut other, starts) = (None, starts(inverse));
+    let mut best = match near {
+        Some(near) => near,
+        None => inverse.descend(starts[0].or(last)?, &mut left),
+    };
+    let is_good = fits(&best, inverse.variance);
+    if !twins && (is_good || inverse.form != HeadForm::Wires) {
         return Some((best, None));
     }
-    let mut other = None;
-    for start in [second, last].into_iter().flatten() {
+    if !is_good {
+        left = left.min(STEPS_OF_MISFITS);
+    }
+    let elsewhere = if near.is_some() { starts[0] } else { last };
+    for start in [starts[1], elsewhere].into_iter().flatten() {
         consider(inverse, last, start, &mut left, &mut best, &mut other);
     }
     if other.is_none()
+        && left > 0
         && let Some(singularity) = inverse.singularity(&best)
     {
         for start in singularity.others {
@@ -337,6 +346,9 @@ fn consider(
     best: &mut GaussNewtonResult,
     other: &mut Option<GaussNewtonResult>,
 ) {
+    if *left == 0 {
+        return;
+    }
     let distance = |a: [f32; 3], b: [f32; 3]| length(along(a, -1.0, b));
     let found = inverse.descend(start, left);
     let same = distance(found.reynolds, best.reynolds) <= SAME * length(best.reynolds);

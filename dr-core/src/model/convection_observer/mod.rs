@@ -38,6 +38,9 @@
 //! q of an element without a surface, a core, is heat that it loses on ways that the identification
 //! did not have, as to a support at another temperature.
 //!
+//! Pairs of one heated element with the same rates and shares have the same x_k^ij, which are kept
+//! and stepped once.
+//!
 //! **Alarm.** A fixed bandwidth is a compromise between noise and delay. The smoothed innovation is
 //! small while the wind changes as the filter assumes. Beyond a threshold the wind has changed
 //! abruptly, and the gains become those of the fastest of several sets. Slower sets follow, each as
@@ -86,6 +89,9 @@ struct NetworkSelfHeating {
 struct NetworkCrossHeating {
     from: u8,
     to: u8,
+    /// Number of the first pair of the same element with the same rates and shares: its states are
+    /// those of this pair, too.
+    states: u16,
     relaxations: Relaxations<CROSS_ORDER>,
     symbol: Symbol<CROSS_ORDER>,
     /// R_k m_k
@@ -240,7 +246,22 @@ impl<const N: usize> ConvectionObserver<N> {
         };
         let full = error::out_of_range(Parameter::CrossHeating, 0.0, MOST_PAIRS as f32);
         *self.cross_heating.iter_mut().find(|slot| same(slot)).ok_or(full)? = Some(cross);
+        self.share_states(cross.from);
         Ok(())
+    }
+
+    /// Finds out anew which pairs of an element share their states.
+    fn share_states(&mut self, from: u8) {
+        for place in 0..MOST_PAIRS {
+            let Some(cross) = self.cross_heating[place].filter(|cross| cross.from == from) else { continue };
+            let first = self.cross_heating.iter().position(|slot| {
+                slot.is_some_and(|known| {
+                    known.from == from && known.relaxations == cross.relaxations && known.surface == cross.surface
+                })
+            });
+            // It finds itself at least; there are fewer pairs than 65 536.
+            self.cross_heating[place] = Some(NetworkCrossHeating { states: first.unwrap_or(place) as u16, ..cross });
+        }
     }
 
     /// Tells whether an element is part of the network.
@@ -294,8 +315,11 @@ impl<const N: usize> ConvectionObserver<N> {
                 missed_w[i] = correction_w;
             }
         }
-        for (cross, x) in self.cross_heating.iter().zip(&mut state.cross_heating) {
+        for (place, (cross, x)) in self.cross_heating.iter().zip(&mut state.cross_heating).enumerate() {
             let Some(cross) = cross else { break };
+            if usize::from(cross.states) != place {
+                continue;
+            }
             let Some(from) = cross.source::<N>() else { break };
             let (power_w, q, missed_w) = (input.power_w[from], convection.power_w[from], &missed_w[from]);
             let missed = |k: usize| missed_w.get(usize::from(cross.nearest[k])).copied().unwrap_or(0.0);
@@ -311,9 +335,8 @@ impl<const N: usize> ConvectionObserver<N> {
     /// Temperature rise of every element by cross-heating, K.
     fn cross_heating_k(&self, state: &ConvectionObserverState<N>) -> [f32; N] {
         let mut warmed_k = [0.0; N];
-        for (cross, x) in self.cross_heating.iter().zip(&state.cross_heating) {
-            let Some(cross) = cross else { break };
-            if let Some(warmed_k) = warmed_k.get_mut(usize::from(cross.to)) {
+        for cross in self.cross_heating.iter().map_while(Option::as_ref) {
+            if let (Some(warmed_k), Some(x)) = (warmed_k.get_mut(usize::from(cross.to)), cross.states(state)) {
                 *warmed_k += cross.symbol.output(x);
             }
         }
@@ -347,18 +370,25 @@ impl<const N: usize> ConvectionObserver<N> {
             let Some(own) = &self.self_heating[i] else { return 0.0 };
             own.rest_c + warmed_k[i] + own.symbol.output(&initial.self_heating[i]) - input.temperature_c[i]
         });
+        // Rise of the element of each row by heat at the surface of each column, K/W.
+        let mut steady_k_per_w = [[0.0; N]; N];
+        for (i, own) in self.self_heating.iter().enumerate() {
+            steady_k_per_w[i][i] = own.as_ref().map_or(0.0, |own| own.surface_k_per_w.steady_gain_k_per_w());
+        }
+        for cross in self.cross_heating.iter().map_while(Option::as_ref) {
+            if let (Some(row), Some(from)) = (steady_k_per_w.get_mut(usize::from(cross.to)), cross.source::<N>()) {
+                row[from] = cross.surface_k_per_w.steady_gain_k_per_w();
+            }
+        }
         let q = &mut initial.convection_w;
         for _ in 0..ROUNDS {
             for (i, own) in self.self_heating.iter().enumerate() {
-                let Some(own) = own.as_ref().filter(|own| own.gains.convects()) else { continue };
-                let mut left_k = too_warm_k[i];
-                for cross in
-                    self.cross_heating.iter().map_while(Option::as_ref).filter(|cross| usize::from(cross.to) == i)
-                {
-                    let Some(from) = cross.source::<N>() else { break };
-                    left_k -= cross.surface_k_per_w.steady_gain_k_per_w() * q[from];
+                if own.as_ref().is_none_or(|own| !own.gains.convects()) {
+                    continue;
                 }
-                q[i] = left_k / own.surface_k_per_w.steady_gain_k_per_w();
+                let others = steady_k_per_w[i].iter().zip(&*q).enumerate().filter(|(j, _)| *j != i);
+                let left_k = others.fold(too_warm_k[i], |left_k, (_, (k_per_w, q))| left_k - k_per_w * q);
+                q[i] = left_k / steady_k_per_w[i][i];
             }
         }
         self.settle(&mut initial, input);
@@ -397,7 +427,7 @@ impl<const N: usize> ConvectionObserver<N> {
 
     /// Passes every number of a state that is in use to a visitor, in a fixed order.
     pub(crate) fn visit_state(&self, state: &ConvectionObserverState<N>, visitor: &mut impl FieldVisitor) {
-        let ConvectionObserverState { self_heating, cross_heating, convection_w, monitor, initialised: _ } = state;
+        let ConvectionObserverState { self_heating, convection_w, monitor, .. } = state;
         let each = self_heating.iter().zip(convection_w).zip(monitor).zip(&self.self_heating);
         for (((own, convection_w), InnovationMonitor { smoothed_k, calm_ticks: _, mean_weight }), config) in each {
             if config.is_some() {
@@ -405,9 +435,8 @@ impl<const N: usize> ConvectionObserver<N> {
                 [*convection_w, *smoothed_k, *mean_weight].visit(visitor);
             }
         }
-        for (cross, _) in cross_heating.iter().zip(&self.cross_heating).take_while(|(_, config)| config.is_some()) {
-            cross.visit(visitor);
-        }
+        let pairs = self.cross_heating.iter().map_while(Option::as_ref);
+        pairs.filter_map(|cross| cross.states(state)).for_each(|states| states.visit(visitor));
     }
 }
 
@@ -463,6 +492,14 @@ impl NetworkCrossHeating {
         Some(usize::from(self.from)).filter(|&from| from < N)
     }
 
+    /// The states of this pair.
+    fn states<'a, const N: usize>(
+        &self,
+        of: &'a ConvectionObserverState<N>,
+    ) -> Option<&'a RelaxationState<CROSS_ORDER>> {
+        of.cross_heating.get(usize::from(self.states))
+    }
+
     fn new(config: &NetworkCrossHeatingConfig, sample_period_s: f32) -> Result<Self, ConfigError> {
         for share in config.surface {
             error::within(Parameter::SurfaceShare, share, -10.0, 10.0)?;
@@ -470,6 +507,7 @@ impl NetworkCrossHeating {
         Ok(Self {
             from: config.from,
             to: config.to,
+            states: 0,
             relaxations: Relaxations::new(&config.mesh_rad_s, sample_period_s)?,
             symbol: Symbol::new(config.r_k_per_w)?,
             surface_k_per_w: Symbol::new(core::array::from_fn(|k| config.r_k_per_w[k] * config.surface[k]))?,

@@ -54,6 +54,36 @@ fn look<'a>(temperature_c: &'a [f32; 2], power_w: &'a [f32; 2]) -> TickInput<'a,
 }
 
 #[test]
+fn pairs_that_share_states_answer_as_pairs_with_their_own() {
+    // Rates without a resistance make no difference but that they keep the pairs apart.
+    let network = |apart: f32| {
+        let mut network = ConvectionObserver::<3>::default();
+        (0..3).for_each(|element| network.set_self_heating(element, &own(400.0), PERIOD_S).unwrap());
+        for (from, to) in [(0, 1), (1, 2), (0, 2), (2, 0), (1, 0)] {
+            let mut config = cross(from, to, 50.0 + f32::from(to));
+            config.mesh_rad_s[3] += apart * f32::from(to);
+            network.set_cross_heating(&config, PERIOD_S).unwrap();
+        }
+        network
+    };
+    let (shared, apart) = (network(0.0), network(1.0));
+    let states = |of: &ConvectionObserver<3>| of.cross_heating.map(|pair| pair.map_or(0, |pair| pair.states));
+    assert_eq!((&states(&shared)[..5], &states(&apart)[..5]), (&[0, 1, 0, 3, 1][..], &[0, 1, 2, 3, 4][..]));
+    let mut both = [ConvectionObserverState::default(); 2];
+    for n in 0..500 {
+        let temperature_c = [0.0, 0.1, 0.2].map(|of| -30.0 + of * (n % 7) as f32);
+        let input = TickInput {
+            temperature_c: &temperature_c,
+            valid: 0b111,
+            read_high: n % 8,
+            power_w: &[0.06, 0.07 - 1e-4 * n as f32, 0.08],
+            standing_w: &[0.06; 3],
+        };
+        assert_eq!(shared.step(&mut both[0], &input), apart.step(&mut both[1], &input));
+    }
+}
+
+#[test]
 fn in_balance_two_equations_give_both_convective_powers() {
     let (temperature_c, power_w) = ([-30.0, -35.0], [0.06, 0.07]);
     let mut state = ConvectionObserverState::default();

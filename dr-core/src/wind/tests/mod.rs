@@ -4,6 +4,7 @@ extern crate std;
 
 mod amplitudes;
 pub(crate) mod cards;
+mod following;
 mod forms;
 mod noise;
 mod partial;
