@@ -294,24 +294,22 @@ fn fits(found: &GaussNewtonResult, variance: f32) -> bool {
 /// A complete head has one minimum near the linear inverse; from the last wind it is a step or two.
 /// Wires have one on either side of each axis, of which the linear inverse takes the one that they
 /// face and the last wind may have another. Where surfaces are missing or hardly known (`twins`),
-/// the other side of the fold is looked for, too; of solutions that are as good as each other the
-/// one nearest to `last` is taken, or without a last one the better.
+/// all starts are followed, the other side of the fold among them; of solutions that are as good as
+/// each other the one nearest to `last` is taken, or without a last one the better.
 fn solve(
     inverse: &Inverse,
     last: Option<[f32; 3]>,
     twins: bool,
 ) -> Option<(GaussNewtonResult, Option<GaussNewtonResult>)> {
-    let near = last.filter(|_| inverse.form != HeadForm::Wires).map(|last| inverse.follow(last));
-    let near = near.filter(|near| near.converged && near.cost <= AS_GOOD * inverse.variance);
-    if let (Some(near), false) = (near, twins) {
-        return Some((near, None));
+    if let (Some(last), false) = (last, twins || inverse.form == HeadForm::Wires) {
+        let near = inverse.follow(last);
+        if near.converged && near.cost <= AS_GOOD * inverse.variance {
+            return Some((near, None));
+        }
     }
     let mut left = MOST_STEPS_IN_ALL;
-    let (mut other, starts) = (None, starts(inverse));
-    let mut best = match near {
-        Some(near) => near,
-        None => inverse.descend(starts[0].or(last)?, &mut left),
-    };
+    let [first, second] = starts(inverse);
+    let mut best = inverse.descend(first.or(last)?, &mut left);
     let is_good = fits(&best, inverse.variance);
     if !twins && (is_good || inverse.form != HeadForm::Wires) {
         return Some((best, None));
@@ -319,8 +317,8 @@ fn solve(
     if !is_good {
         left = left.min(STEPS_OF_MISFITS);
     }
-    let elsewhere = if near.is_some() { starts[0] } else { last };
-    for start in [starts[1], elsewhere].into_iter().flatten() {
+    let mut other = None;
+    for start in [second, last].into_iter().flatten() {
         consider(inverse, last, start, &mut left, &mut best, &mut other);
     }
     if other.is_none()
