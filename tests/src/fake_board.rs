@@ -289,13 +289,13 @@ impl Life {
                 }
             }
 
-            let unsent = outbox.unsent();
+            let unsent = outbox.unsent;
             let mut send = |message: &FromBoard| {
                 let mut frame = [0; MAX_FRAME];
                 let frame = wire::encode(sequence.next(unsent), message, &mut frame).expect("it fits a frame");
                 self.send(message, frame, &mut unheard);
             };
-            if questions.take_identity() {
+            if questions.identity.take() {
                 let firmware = Name::try_from("fake board").expect("it is short");
                 let (board, elements, order) = (BoardKind::Sensor, CHANNELS as u8, dr_core::model::ORDER as u8);
                 let (crash, unique_id) = (None, [0; 3]);
@@ -324,7 +324,7 @@ impl Life {
                     margins: controller.margins().collect(),
                     ..ControlStatus::default()
                 };
-                let (link, refused, unsent) = (receiver.counters(), inbox.refused, outbox.unsent());
+                let (link, refused, unsent) = (receiver.counters(), inbox.refused, outbox.unsent);
                 send(&FromBoard::Status(Status { uptime_s, link, refused, unsent, deadlines: 0, control }));
             }
         }

@@ -12,7 +12,7 @@ use host_sim::settings::Settings;
 use std::cell::RefCell;
 use std::rc::Rc;
 use wire::settings::{CHECK, Piece};
-use wire::{SettingsAnswer, SettingsRefusal, SettingsReply, SettingsRequest, StoredRecord};
+use wire::{SettingsRefusal, SettingsReply, SettingsRequest, StoredRecord};
 
 /// Bytes of one sector: small, so that a short input can fill it.
 const SECTOR: usize = 1024;
@@ -104,8 +104,7 @@ fn step(bytes: &mut Bytes<'_>, flash: &Ram, stored: &mut Vec<Vec<u8>>, is_damage
 }
 
 fn asked(server: &mut SettingsServer<Ram>, request: SettingsRequest) -> Result<SettingsReply, SettingsRefusal> {
-    let SettingsAnswer { result, .. } = server.answer(0, &request);
-    result
+    server.answer(&request)
 }
 
 /// The settings as a host reads them.
