@@ -20,9 +20,9 @@ use plot::model::{FitSeries, figure};
 ///
 /// The record is a recording of `anemo run`, or any table that a logger writes with the time in its
 /// first column. Gaps end a segment, across which nothing is taken. Options not given are chosen by
-/// block cross-validation, and the reasons printed. The picture shows time-constant spectrum
-/// (diffusive symbol), fit, the offset's drift if it has one, residuals, frequency response and
-/// structure function.
+/// their evidence, or by block cross-validation, and the reasons printed. The picture shows
+/// time-constant spectrum (diffusive symbol), fit, the offset's drift if it has one, residuals,
+/// frequency response and structure function.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:

@@ -38,7 +38,7 @@ pub struct ModelOptions {
     /// structure `conductance`), `all`, `none`, or pairs as INPUT:OUTPUT,….
     #[arg(long, value_name = "PAIRS", default_value = "auto")]
     non_negative: String,
-    /// Initial state of the record.
+    /// Initial state of the record; chosen if not given.
     #[arg(long, value_parser = choice([
         ("rest", "All states zero", InitialState::Rest),
         ("settled", "As if the first row's inputs had been held for ever", InitialState::Settled),
@@ -49,7 +49,7 @@ pub struct ModelOptions {
     /// unless both --order and --mesh are given.
     #[arg(long, value_name = "yes|no", value_parser = yes_or_no)]
     feed_through: Option<bool>,
-    /// Samples by which the output is late.
+    /// Samples by which the output is late, the same for all inputs.
     #[arg(long, value_name = "SAMPLES", allow_negative_numbers = true, value_parser = samples)]
     dead_time: Option<usize>,
     /// Number of free rates of an output, 1 to 8, for a small model; the fit starts from that on

@@ -21,9 +21,7 @@ use super::surface::{LocalNusselt, NusseltSurface};
 use crate::arithmetic::{dot, length, plus, scaled};
 
 /// Most steps from one start, dropped ones included.
-const MOST_STEPS: u8 = 8;
-/// The same of wires, which are often on a fold.
-const MOST_STEPS_OF_WIRES: u8 = 16;
+const MOST_STEPS: u8 = 16;
 /// A wind that has not jumped is found from the last one in so many steps.
 const STEPS_FROM_LAST: u8 = 2;
 
@@ -125,8 +123,7 @@ impl Inverse<'_> {
     ///
     /// The steps are taken off `left`; with none left it goes nowhere.
     pub fn descend(&self, start: [f32; 3], left: &mut u8) -> GaussNewtonResult {
-        let most = if self.form == HeadForm::Wires { MOST_STEPS_OF_WIRES } else { MOST_STEPS };
-        let found = self.steps_down(start, DAMPING, most.min(*left));
+        let found = self.steps_down(start, DAMPING, MOST_STEPS.min(*left));
         *left -= found.steps;
         found
     }

@@ -52,9 +52,7 @@ const SAME: f32 = 0.01;
 /// A solution whose χ² is larger by at most this is as good: three standard errors.
 const AS_GOOD: f32 = 9.0;
 /// Most steps from all starts together: an estimate must be finished before the next tick.
-const MOST_STEPS_IN_ALL: u8 = 20;
-/// Steps that are left where the first start ends at no wind that fits: seldom another one does.
-const STEPS_OF_MISFITS: u8 = 2;
+const MOST_STEPS_IN_ALL: u8 = 23;
 /// Share of the speed, or of the least Reynolds number of the grid, that is put across the axes to
 /// judge what is there.
 const LEAST_ACROSS: f32 = 0.02;
@@ -310,12 +308,8 @@ fn solve(
     let mut left = MOST_STEPS_IN_ALL;
     let [first, second] = starts(inverse);
     let mut best = inverse.descend(first.or(last)?, &mut left);
-    let is_good = fits(&best, inverse.variance);
-    if !twins && (is_good || inverse.form != HeadForm::Wires) {
+    if !twins && fits(&best, inverse.variance) {
         return Some((best, None));
-    }
-    if !is_good {
-        left = left.min(STEPS_OF_MISFITS);
     }
     let mut other = None;
     for start in [second, last].into_iter().flatten() {

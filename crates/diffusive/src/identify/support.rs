@@ -41,7 +41,7 @@ pub fn refuse(
         // From rest, a constant is a step at the first row.
         survey.refuse_if(
             facts.input_sd(input) == 0.0 && !(from_rest && value != 0.0),
-            format_args!("column `{name}` is {value} in all {rows} rows: an input that never changes excites nothing; record again with a changing input, or leave it out with --input{}", if value == 0.0 { "" } else { "; if it was switched on at the first row, say --initial-state rest" }),
+            format_args!("column `{name}` is {value} in all {rows} rows: an input that never changes excites nothing; record again with a changing input, or leave it out with --input{}", if value == 0.0 { "; if it was switched off at the first row, put a row with its power before it" } else { "; if it was switched on at the first row, say --initial-state rest" }),
         )?;
     }
     if gated {

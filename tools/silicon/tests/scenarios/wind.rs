@@ -39,6 +39,9 @@ pub fn experiment(sample_period_s: f64) -> Experiment {
     Experiment { ticks: u32::MAX, ..Experiment::read(&path).unwrap() }
 }
 
+/// Messages that find the queue full before the board has the request for fewer.
+const LOST_AT_START: u32 = 2;
+
 /// Runs for so many seconds with a sample and an estimate every so many ticks; returns the status
 /// of the end.
 fn status_after(sample_period_s: f64, telemetry_every: u16, seconds: f64) -> Status {
@@ -68,9 +71,14 @@ fn status_after(sample_period_s: f64, telemetry_every: u16, seconds: f64) -> Sta
     assert_eq!(estimates, samples, "each sample has its estimate");
     let report = Box::new(instrument).finish().unwrap();
     rig.assert_no_complaint();
-    assert_eq!((report.link.lost, report.link.damaged), (0, 0));
-    println!("{sample_period_s} s, {samples} samples: {:?}", report.status);
-    report.status.unwrap()
+    println!("{sample_period_s} s, {samples} samples: {:?}, {:?}", report.link, report.status);
+    let status = report.status.unwrap();
+    // At a millisecond the line has no room for all samples and estimates; until the board has the
+    // request they fill its queue. What does not fit is counted.
+    let most = if sample_period_s < 0.002 { LOST_AT_START } else { 0 };
+    assert_eq!((report.link.lost, report.link.damaged), (status.unsent, 0));
+    assert!(status.unsent <= most, "{} unsent", status.unsent);
+    status
 }
 
 #[test]
@@ -80,7 +88,7 @@ fn ticks_with_the_wind_of_a_calibrated_head_are_in_time() {
     for ((sample_period_s, every), usual_s) in [(0.01, 1), (0.001, 10)].into_iter().zip(SECONDS) {
         let status = status_after(sample_period_s, every, seconds.unwrap_or(usual_s));
         assert_eq!((status.control.late_ticks, status.control.missed_estimates), (0, 0), "{sample_period_s} s");
-        assert_eq!((status.unsent, status.deadlines, status.control.lost_conversions), (0, 0, 0));
+        assert_eq!((status.deadlines, status.control.lost_conversions), (0, 0));
         let took_us = status.control.edge_to_pins_us;
         assert!((1..=EDGE_TO_PINS_US).contains(&took_us), "{took_us} µs");
     }
