@@ -43,9 +43,9 @@ def identify(
 
     The record is a recording of `anemo run`, or any table that a logger writes with the time in its
     first column. Gaps end a segment, across which nothing is taken. Options not given are chosen by
-    block cross-validation, and the reasons printed. The picture shows time-constant spectrum
-    (diffusive symbol), fit, the offset's drift if it has one, residuals, frequency response and
-    structure function.
+    their evidence, or by block cross-validation, and the reasons printed. The picture shows
+    time-constant spectrum (diffusive symbol), fit, the offset's drift if it has one, residuals,
+    frequency response and structure function.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def identify(
         structure `conductance`), `all`, `none`, or pairs as INPUT:OUTPUT,…
         By default auto.
     initial_state
-        Initial state of the record
+        Initial state of the record; chosen if not given
         - "rest": All states zero
         - "settled": As if the first row's inputs had been held for ever
         - "free": Anything
@@ -107,7 +107,7 @@ def identify(
         Whether the output may follow its input at once. This and --dead-time are searched for,
         unless both --order and --mesh are given
     dead_time
-        Samples by which the output is late
+        Samples by which the output is late, the same for all inputs
     free_poles
         Number of free rates of an output, 1 to 8, for a small model; the fit starts from that on
         the grid
