@@ -44,7 +44,7 @@ impl CheckIns {
         self.anew.get(member as usize).into_iter().for_each(Flag::raise);
     }
 
-    /// Whether all have checked in; if so, the record is cleared. To be asked once a beat.
+    /// Returns true if all have checked in; if so, the record is cleared. To be asked once a beat.
     pub fn all_anew(&self) -> bool {
         let [tasks @ .., settings, idle] = &self.anew;
         let mut all = tasks.iter().all(Flag::is_raised);

@@ -17,14 +17,14 @@ use dr_core::{Command, ConfigError, Decider, Digest};
 use heapless::spsc::{Consumer, Producer};
 use wire::{ControlStatus, Event, FromBoard};
 
-/// What the loop needs of a board of N elements.
+/// Functions that the loop needs of a board of N elements.
 pub trait ControlBoard<const N: usize> {
     /// The readings of the next tick that is complete. Asked until there is none: a silence can
     /// bring several at once.
     fn poll(&mut self) -> Option<[Reading; N]>;
     /// Puts the levels on the pins; returns whether that succeeded. If not, they are low.
     fn apply(&mut self, tick: &Tick<N>) -> bool;
-    /// Whether the pins have the levels that were put on them.
+    /// Returns true if the pins have the levels that were put on them.
     fn holds_levels(&mut self) -> bool;
     /// Lowers all heaters at once, whatever state the rest is in.
     fn heaters_low(&mut self);
@@ -39,9 +39,9 @@ pub trait ControlBoard<const N: usize> {
     /// # Errors
     /// A period that the board cannot make.
     fn set_sample_period(&mut self, sample_period_s: f32) -> Result<(), ConfigError>;
-    /// Whether a tick came before the one before was through, since the last call.
+    /// Returns true if a tick overran since the last call: the next one came before its end.
     fn overran(&mut self) -> bool;
-    /// What a check of the front end has found, once.
+    /// Returns once the cause that a check of the front end has found.
     fn take_fault(&mut self) -> Option<Cause>;
     /// Puts counters of the front end into the status.
     fn report(&self, _status: &mut ControlStatus) {}
@@ -66,11 +66,11 @@ pub struct ControlLinks<'a, const N: usize> {
     pub interlock: &'a Interlock,
     /// Start, set-up, standby.
     pub phase: &'a Phase,
-    /// Which samples the host wants.
+    /// Samples that the host wants.
     pub telemetry: &'a TelemetryRequests,
 }
 
-/// What the control task shares with tasks of lower priority.
+/// State that the control task shares with tasks of lower priority.
 pub struct ControlShared<'a, 'b> {
     /// To the host.
     pub outbox: &'a mut Outbox<'b>,
@@ -80,7 +80,7 @@ pub struct ControlShared<'a, 'b> {
     pub findings: &'a mut PendingFindings,
     /// For the status.
     pub status: &'a mut ControlStatus,
-    /// What the last tick that was estimated has left.
+    /// Digest after the last estimated tick, and true if the host gets its estimate.
     pub estimated: (Digest, bool),
 }
 

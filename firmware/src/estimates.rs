@@ -42,7 +42,7 @@ impl<'a, const N: usize> Estimates<'a, N> {
         Self { queue, follows_gap: false, missed: 0 }
     }
 
-    /// Whether a command may be carried out: there is room for what it means to the estimator.
+    /// Returns true if a command may be carried out: its handover has room.
     pub fn has_room(&self) -> bool {
         queue::has_room(&self.queue)
     }
@@ -62,13 +62,13 @@ impl<'a, const N: usize> Estimates<'a, N> {
         self.missed = self.missed.wrapping_add(u32::from(self.follows_gap));
     }
 
-    /// Whether everything that was handed over has been estimated.
+    /// Returns true if everything that was handed over has been estimated.
     pub fn is_drained(&self) -> bool {
         queue::is_empty(&self.queue)
     }
 }
 
-/// What an item has led to.
+/// Result of an item.
 pub struct EstimateOutcome {
     /// The reply to the host's command, or the estimate that it has requested.
     pub to_host: Option<FromBoard>,

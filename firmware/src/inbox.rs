@@ -41,7 +41,7 @@ impl TelemetryRequests {
         self.telemetry_every.store(every, Relaxed);
     }
 
-    /// Whether the sample of this tick is requested.
+    /// Returns true if the sample of this tick is requested.
     pub fn wants_sample(&self, tick: u32) -> bool {
         match self.telemetry_every.load(Relaxed) {
             0 => false,
@@ -50,7 +50,7 @@ impl TelemetryRequests {
     }
 }
 
-/// What has to be woken after a message.
+/// Task to wake after a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Wake {
     /// The control task: there is a command or a reading.

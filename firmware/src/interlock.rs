@@ -59,7 +59,7 @@ impl Interlock {
         self.deadlines.store(self.deadlines().wrapping_add(1), Relaxed);
     }
 
-    /// How often it has expired.
+    /// Number of times that it has expired.
     pub fn deadlines(&self) -> u32 {
         self.deadlines.load(Relaxed)
     }
@@ -73,12 +73,12 @@ impl Interlock {
         result
     }
 
-    /// Whether a reason has come that has not been taken: no heater may stay high.
+    /// Returns true while a reason waits to be taken: no heater may stay high.
     pub fn forbids(&self) -> bool {
         self.requests_trip() || self.expired.is_raised()
     }
 
-    /// Whether a trip has been requested that has not been taken.
+    /// Returns true while a requested trip waits to be taken.
     pub fn requests_trip(&self) -> bool {
         self.trip.load(Relaxed) != 0
     }

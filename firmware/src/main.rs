@@ -72,7 +72,7 @@ mod app {
         /// As it was after the last run of control. The health task copies it once a second, some
         /// 250 bytes, for which the control task waits a microsecond.
         control_status: ControlStatus,
-        /// What the last estimated tick has left: the digest, and whether the host gets an estimate.
+        /// Digest after the last estimated tick, and true if the host gets its estimate.
         estimated: (Digest, bool),
         /// The last wind estimate, for the log.
         wind: Option<LoggedWind>,

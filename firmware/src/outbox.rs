@@ -28,7 +28,7 @@ impl<'a> Outbox<'a> {
         }
     }
 
-    /// Whether anything waits to be sent.
+    /// Returns true if anything waits to be sent.
     pub fn waits(&self) -> bool {
         !queue::is_empty(&self.queue)
     }

@@ -15,13 +15,13 @@ pub fn put<T>(queue: &mut Producer<'_, T>, item: T) -> Result<(), T> {
     if has_size(queue) { queue.enqueue(item) } else { Err(item) }
 }
 
-/// Whether there is room for an item.
+/// Returns true if there is room for an item.
 #[inline(always)]
 pub fn has_room<T>(queue: &Producer<'_, T>) -> bool {
     has_size(queue) && queue.ready()
 }
 
-/// Whether the other side has taken all items.
+/// Returns true if the other side has taken all items.
 #[inline(always)]
 pub fn is_empty<T>(queue: &Producer<'_, T>) -> bool {
     has_size(queue) && queue.is_empty()

@@ -16,7 +16,7 @@ pub const NAME: &str = env!("ANEMO_FIRMWARE_NAME");
 /// Who has checked in for the watchdog.
 pub static CHECK_INS: CheckIns = CheckIns::none();
 
-/// What the health task remembers.
+/// Memory of the health task.
 pub struct Health {
     watchdog: Watchdog,
     beats: u32,
@@ -61,7 +61,7 @@ pub struct LoggedWind {
 }
 
 impl LoggedWind {
-    /// What the log has of an estimate.
+    /// Part of an estimate that the log shows.
     pub const fn of(tick: &WindTick) -> Self {
         let [x_m_s, y_m_s, _] = tick.wind.wind_m_s;
         Self { speed_m_s: tick.wind.speed_m_s, towards_m_s: [x_m_s, y_m_s], flags: tick.quality_flags }

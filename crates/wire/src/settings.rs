@@ -258,7 +258,7 @@ pub enum SettingsRefusal {
     /// The flash cannot be read or written.
     #[error("the flash of the settings cannot be read or written")]
     Flash,
-    /// What stands there is no record.
+    /// Bytes there are no record.
     #[error("the flash of the settings holds settings of an older firmware, or other data")]
     Foreign,
     /// The settings in force have changed by themselves.

@@ -32,7 +32,7 @@ pub use virtual_board::*;
 
 use wire::ResetCause;
 
-/// What the start-up of a board hands to the application.
+/// Parts that the start-up of a board hands to the application.
 pub struct BoardParts {
     /// Readings in, heaters out.
     pub front_end: FrontEnd,

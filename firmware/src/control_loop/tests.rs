@@ -26,9 +26,9 @@ struct MockBoard<'a> {
     readings: VecDeque<[Reading; 1]>,
     levels: usize,
     lowered: u32,
-    /// What happens while levels are put on the pins.
+    /// Event while levels are put on the pins.
     meanwhile: Option<&'a dyn Fn()>,
-    /// Whether replies had everything estimated.
+    /// True for each reply that had everything estimated.
     drained: Vec<bool>,
     holds: Cell<bool>,
 }
@@ -68,7 +68,7 @@ impl ControlBoard<1> for MockBoard<'_> {
     }
 }
 
-/// What a test has in its hands.
+/// Parts that a test works with.
 struct Bench<'a> {
     control: ControlLoop<'a, MockBoard<'a>, 1>,
     estimator: EstimateLoop<'a, 1>,

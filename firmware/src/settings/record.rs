@@ -45,7 +45,7 @@ pub struct Content {
     crc: u32,
 }
 
-/// What stands at the beginning of a sector.
+/// Beginning of a sector.
 enum Header {
     Blank,
     Foreign,
@@ -175,7 +175,7 @@ impl Record {
         if self.in_force == Ok(content) { Ok(()) } else { Err(SettingsRefusal::Flash) }
     }
 
-    /// Whether the record in force is this one.
+    /// Returns true if the record in force is this one.
     pub fn is(&self, length: usize, crc: u32) -> bool {
         self.in_force.is_ok_and(|content| content.sector.is_some() && (content.length, content.crc) == (length, crc))
     }

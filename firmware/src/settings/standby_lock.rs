@@ -61,7 +61,7 @@ impl StandbyLock {
         self.standby.store(is, SeqCst);
     }
 
-    /// Whether the instrument was in standby at the end of the last run of control.
+    /// Returns true if the instrument was in standby at the end of the last run of control.
     pub fn is_standby(&self) -> bool {
         self.standby.load(SeqCst)
     }

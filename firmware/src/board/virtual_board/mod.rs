@@ -42,7 +42,7 @@ use stm32f4xx_hal::serial::{Config as SerialConfig, Rx, Serial, Tx};
 use table::BAUD;
 use wire::{FromBoard, HeaterFrame, MAX_FRAME, Provocation, ResetCause, encode};
 
-/// What would be the heaters' pins.
+/// Stands in for the heaters' pins.
 static PINS: AtomicUsize = AtomicUsize::new(0);
 static DEAD_MAN: DeadManCounter = DeadManCounter::stopped();
 /// Sequence number of the silence that needs a reply, plus one; 0 if there is none.

@@ -15,7 +15,7 @@ fn record(turn: u32) -> Vec<u8> {
     (0..length).map(|i| (turn as usize * 31 + i * 7) as u8).collect()
 }
 
-/// What is found after the next start.
+/// Record that the next start finds.
 fn found(flash: &Small) -> Result<Vec<u8>, SettingsRefusal> {
     let mut flash = flash.again();
     let content = Record::open(&mut flash, PAIR).in_force()?;

@@ -115,12 +115,12 @@ impl Average {
         let all = ln_sum(members.iter().map(|member| member.ln));
         let stands = ln_sum(members.iter().filter(|member| member.kind.is_none()).map(|member| member.ln));
         let moves = ln_sum(members.iter().filter(|member| member.kind.is_some()).map(|member| member.ln));
-        // What was too unlikely to be looked at is at least so much less likely.
+        // Hypotheses that were not looked at are at least so much less likely.
         let moving_nats = (moves - stands).clamp(-UNSEEN, UNSEEN);
         let smooth = ln_sum(members.iter().filter(|member| is_smooth(member)).map(|member| member.ln));
         let is_fast = |member: &Member| is_smooth(member) && member.corner >= SLOW_BODY;
         if smooth - all > libm::log(0.5) && members.iter().any(is_fast) {
-            // What moves smoothly is the room's: a body slower than the record looks the same.
+            // A smooth drift is the room's: a body slower than the record looks the same.
             members.retain(is_fast);
         }
         let keep = |members: &mut Vec<Member>, within: f64| {
